@@ -4,14 +4,17 @@ mod answer;
 mod effects;
 mod magnitude;
 mod pair;
+mod stated;
 
 use common::{
-    Axis, Diagnosis, Document, PlainRegression, Quantity, Remaining, Residual, ResidualOf, ResidualSeries,
-    Share, Verdict, procedure,
+    AdoptedEffect, Axis, Diagnosis, Document, PlainRegression, Quantity, Remaining, Residual, ResidualOf,
+    ResidualSeries, Share, Verdict, procedure,
 };
 use estimate::grouped::{Grouped, grouped};
 use explain::{Cause, Covariate, Explained};
+use joined::Pair;
 use paired::{Clock, Explanation};
+use physics::Kind;
 
 use crate::{Error, Options};
 
@@ -41,6 +44,8 @@ struct Compared {
     /// Rms of each channel as the document has it, nT.
     as_it_came: Vec<f64>,
     clock: Option<Clock>,
+    /// The rows of the pair, without readings.
+    frame: Pair,
     /// Rms of what the fit leaves of each channel with the clocks as they were recorded, nT.
     unmoved: Vec<f64>,
     explained: Explained,
@@ -69,6 +74,7 @@ pub fn diagnose(document: &mut Document, options: &Options, told: &dyn Fn(&str))
     if let Some((volts, scale, added)) = compared.main_field.as_ref().filter(|_| options.refit) {
         joined::state_main_field(document, *volts, *scale, added);
     }
+    compared.adopt(document);
     document.diagnosis = Some(vec![compared.diagnosis()]);
     Ok(true)
 }
@@ -99,10 +105,40 @@ impl Compared {
             off: of.off,
             as_it_came: Vec::new(),
             clock: of.clock,
+            frame: of.frame,
             unmoved: of.unmoved,
             explained: of.explained,
             notes: Vec::new(),
             main_field: None,
+        }
+    }
+
+    /// Writes what the catalogue has of the causes to the document's model: currents, and clocks where none was
+    /// stated.
+    fn adopt(&self, document: &mut Document) {
+        if self.main_field.is_some() {
+            return;
+        }
+        let known = self.explained.probabilities.iter().all(|probability| *probability >= NAMED);
+        let currents: Vec<AdoptedEffect> = effects::effects(self)
+            .into_iter()
+            .filter(|effect| known && effect.effect == Kind::StrayCurrent.name())
+            .map(|effect| AdoptedEffect {
+                effect: effect.effect,
+                column: effect.column,
+                parameters: effect.parameters,
+                extra: [("found_by".to_string(), "diagnose".into())].into_iter().collect(),
+                ..AdoptedEffect::default()
+            })
+            .collect();
+        let clocks = [Kind::ClockOffset, Kind::ClockRate].map(Kind::name);
+        let stated = document.model.iter().flat_map(|model| &model.effects);
+        let timed = stated.clone().any(|effect| clocks.contains(&effect.effect.as_str()));
+        if !currents.is_empty() {
+            document.model.get_or_insert_default().effects.extend(currents);
+        }
+        if let Some(clock) = self.clock.as_ref().filter(|_| !timed) {
+            paired::adopt::clock(document, &self.frame, &clock.difference, "diagnose");
         }
     }
 

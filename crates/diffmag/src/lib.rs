@@ -15,14 +15,13 @@
 //! - The weights reach into the band where the field is weak; there, filters and noise of the reference pull
 //!   η. `alike` therefore removes octaves from the shortest periods on, until one has the matrix of the
 //!   longer ones.
-//! - `drift/explanations` weighs a drift against noise alone.
+//! - `drift/weighed` asks the engine `explain` for the probability of a drift beside noise alone.
 //! - `contributions` fits each axis again by ordinary least squares with one thing left in at a time (clock,
 //!   columns, steps, spikes, drift): what it adds to the rms orders the findings. `shown` averages the
 //!   difference into points for plots, so that `report` only draws.
 //! - `stream` answers the same question for series that do not fit into memory: sums that can be merged take
 //!   the place of transforms.
 
-mod adopt;
 mod calibration;
 mod confirmed;
 mod files;
@@ -73,7 +72,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let levels_nt = std::array::from_fn(|axis| residual::of_levels(&recorded, axis));
     reference_noise::adopt(&level, reference_noise::find(&level, &fits, levels_nt)?, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
-        adopt::clock(&mut document, &raw, clock);
+        paired::adopt::clock(&mut document, &raw, clock, "diffmag");
     }
     let calibration = document.calibration.get_or_insert_default();
     let kept = calibration.differential.take().unwrap_or_default();

@@ -18,7 +18,7 @@ use paired::{TOLD_BELOW, delays, segments};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
-/// A drift of more than this weight that is not demanded is told: three to one, from where on Kass and
+/// A drift of more than this probability that is not demanded is told: three to one, from where on Kass and
 /// Raftery call evidence positive.
 const UNDECIDED: f64 = 0.75;
 /// The independent interval is too narrow when the honest one is wider by this.
@@ -101,10 +101,9 @@ fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = String> {
         let open = of.drift.demanded == DriftForm::None && found.drift > UNDECIDED;
         open.then(|| {
             format!(
-                "test {axis}: a drift of {:+} nT a day (weight {}), or 1/f^α noise with α = {} and no drift ({}); a longer recording would decide",
+                "test {axis}: a drift of {:+} nT a day (probability {}), or noise with memory and no drift ({}); a longer recording would decide",
                 found.straight_nt_per_day,
                 significant(found.drift, 2),
-                found.exponent_alone,
                 significant(found.noise_alone, 2)
             )
         })

@@ -37,3 +37,4 @@ pub use form::{Form, sampled, smoothed};
 pub use held_out::{HeldOut, Plain};
 pub use problem::{Cause, Covariate, Problem};
 pub use search::{Rival, odds};
+pub use select::{thinned, weigh};

@@ -2,6 +2,7 @@
 
 use estimate::Error;
 
+use crate::amplitude::{self, Amplitude};
 use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises;
@@ -39,6 +40,24 @@ pub struct Selected {
     pub noises: Vec<noises::Form>,
 }
 
+/// A cause in one form on all channels: ln of the odds for it, and its amplitude.
+///
+/// # Errors
+///
+/// Times out of order.
+pub fn weigh(problem: &Problem, cause: Cause, form: Form) -> Result<(f64, Amplitude), Error> {
+    let laws = noises::laws(problem.step_s());
+    let all = vec![true; problem.channels.len()];
+    let stack = Stack::of(problem, &[(cause, form)]);
+    let made = products(&problem.time_s, &stack, &laws)?;
+    let set = [Named { candidate: 0, channels: all.clone() }];
+    let (noises, _) = with_spectra(problem, &stack, &laws, &made, &set)?;
+    let gains = gains(problem, &[(cause, form, all)], &noises, 1, &|_| 1)?;
+    let fitted = amplitude::fit(problem, &[(cause, form)], &noises)?;
+    let amplitude = fitted.amplitudes.into_iter().next().ok_or(Error::Series("without a channel"))?;
+    Ok((gains[0], amplitude))
+}
+
 /// Weighs some causes of a problem; what noise of the reference may imitate is no name.
 ///
 /// # Errors
@@ -65,7 +84,7 @@ fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
         among.iter().flat_map(|cause| forms(*cause).into_iter().map(|form| (*cause, form))).collect();
     let mut noises = noises::laws(problem.step_s());
     if problem.rows() > ROWS || offered.len() > AT_ONCE {
-        let thin = problem.at(&thinned(problem.rows()));
+        let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
         offered = screened(&thin, &offered, &noises, all, &count)?;
     }
     let stack = Stack::of(problem, &offered);
@@ -127,14 +146,14 @@ fn with_spectra(
     Ok((forms, made))
 }
 
-/// Rows in blocks that are spread over all.
-fn thinned(rows: usize) -> Vec<usize> {
-    let each = ROWS / BLOCKS;
-    if rows <= ROWS {
+/// At most so many rows, in so many blocks that are spread over all.
+pub fn thinned(rows: usize, most: usize, blocks: usize) -> Vec<usize> {
+    let each = most / blocks;
+    if rows <= most {
         return (0..rows).collect();
     }
-    let from = |block: usize| block * (rows - each) / (BLOCKS - 1);
-    (0..BLOCKS).flat_map(|block| from(block)..from(block) + each).collect()
+    let from = |block: usize| block * (rows - each) / (blocks - 1);
+    (0..blocks).flat_map(|block| from(block)..from(block) + each).collect()
 }
 
 /// The forms of each cause that explain most by themselves and beside the best set.

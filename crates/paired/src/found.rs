@@ -1,6 +1,6 @@
 //! From a pair to what its difference follows, its clocks and its events: columns first, until nothing changes.
 
-use common::Quantity;
+use common::{ClockDifference, Quantity};
 use explain::{Cause, Covariate, Explained, Problem, explain};
 use joined::Pair;
 
@@ -41,6 +41,8 @@ pub struct Clock {
     pub rate: Option<Quantity>,
     /// ln of the odds against equal clocks.
     pub gain: f64,
+    /// All that is known of it.
+    pub difference: ClockDifference,
 }
 
 /// What the engine says of a pair with its clocks and events.
@@ -53,6 +55,8 @@ pub struct Explanation {
     pub rows: Vec<usize>,
     /// The problem they make.
     pub problem: Problem,
+    /// The pair without its readings.
+    pub frame: Pair,
     /// Rows that are disturbed.
     pub off: usize,
     /// Rms of what plain least squares leave of each channel with the clocks as they were recorded, nT.
@@ -187,8 +191,9 @@ impl Found {
         };
         let clock = Clock::of(&self.prepared, &problem);
         explained.without(Cause::Clock);
-        let off = self.recorded.samples().saturating_sub(rows.len());
-        Ok(Explanation { explained, clock, rows, problem, off, unmoved: rms })
+        let disturbed = self.prepared.events.disturbances().found;
+        let off = disturbed.iter().map(|event| event.to + 1 - event.from).sum();
+        Ok(Explanation { explained, clock, rows, problem, frame: self.recorded.frame(), off, unmoved: rms })
     }
 }
 
@@ -204,6 +209,7 @@ impl Clock {
             offset_s: clock.offset_s.clone(),
             rate: Some(&clock.rate_ppm).filter(|rate| odds(rate) > 0.0).map(per_second),
             gain,
+            difference: clock.clone(),
         })
     }
 }

@@ -12,8 +12,10 @@
 //! - `delays` estimates the clock's offset in parts and bands, with the reference moved aside: its noise makes every
 //!   offset look small and certain.
 //! - `events` finds steps, spikes and disturbed intervals, and the instrument they belong to.
+//! - `adopt` writes the clocks' difference to the model of a document.
 //! - `magnitude` makes a pair of a vector whose field hardly turns and a scalar magnetometer.
 
+pub mod adopt;
 mod axes;
 pub mod delays;
 pub mod events;

@@ -50,19 +50,6 @@ impl Noise {
         Self { octaves: Octaves::default(), ..self }
     }
 
-    /// The same with these variances of the lowest coefficients of a cosine transform, at each doubling of
-    /// the frequency one.
-    pub fn with_lowest(self, cosine: &Cosine, variances: &[f64]) -> Self {
-        let doublings = std::iter::successors(Some(1), |k| Some(2 * k)).take_while(|k| *k <= variances.len());
-        let at = |k: usize| {
-            let frequency_hz = cosine.frequency(k);
-            let form = self.fit.density(0, self.step_s, frequency_hz).value;
-            (frequency_hz, 2.0 * self.step_s * variances[k - 1] / form)
-        };
-        let octaves = self.octaves.below(&doublings.map(at).collect::<Vec<_>>());
-        Self { octaves, ..self }
-    }
-
     /// The same of the periodogram of a difference.
     pub fn seen(difference: &[f64], pair: &Pair) -> Result<Self, Error> {
         Self::of(periodogram(difference, pair.step_s)?, pair)

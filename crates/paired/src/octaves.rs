@@ -40,25 +40,6 @@ impl Octaves {
         Self(octaves)
     }
 
-    /// The same with other levels at the frequencies (Hz) of `low`, from the lowest on, and below: over the
-    /// form, taken as known.
-    pub fn below(&self, low: &[(f64, f64)]) -> Self {
-        let Some(highest) = low.last().map(|(frequency_hz, _)| frequency_hz.ln()) else {
-            return self.clone();
-        };
-        let octave = |(frequency_hz, ratio): &(f64, f64)| Octave {
-            middle: frequency_hz.ln(),
-            ratio: ratio.ln(),
-            std: 0.0,
-        };
-        let mut octaves: Vec<Octave> = low.iter().map(octave).collect();
-        octaves.extend(self.0.iter().filter(|octave| octave.middle > highest));
-        if octaves.len() == low.len() {
-            octaves.push(Octave { middle: highest + std::f64::consts::LN_2, ratio: 0.0, std: 0.0 });
-        }
-        Self(octaves)
-    }
-
     /// Whether the form is taken as it is.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

@@ -3,7 +3,7 @@
 //! A clock that is late by δ reads the field of δ earlier: the difference holds −δ dB/dt.
 
 use estimate::stats;
-use explain::{Covariate, Fit, Problem, smoothed};
+use explain::{Covariate, Fit, Problem, smoothed, thinned};
 use faer::Mat;
 use joined::Pair;
 
@@ -17,6 +17,11 @@ const SMOOTH_ROWS: f64 = 64.0;
 /// The answer at short periods is that at long ones within this standard deviation, nT/nT.
 const ALIKE: f64 = 1.0;
 
+/// Of more rows the columns are weighed on so many, in so many blocks that are spread over all: on a day of seconds as
+/// it is, on a tenth of a month.
+const MOST: usize = 1 << 18;
+const BLOCKS: usize = 64;
+
 /// What is known of a pair before its columns are weighed.
 #[derive(Clone, Copy)]
 pub struct Known<'a> {
@@ -26,7 +31,7 @@ pub struct Known<'a> {
     pub shift: Shift,
 }
 
-/// The rows in which both instruments read and nothing is disturbed, with the reference at the test instrument's
+/// Rows in which both instruments read and nothing is disturbed, with the reference at the test instrument's
 /// moments; steps are part of the base.
 pub fn problem(recorded: &Pair, covariates: &[Covariate], known: Known<'_>) -> (Problem, Vec<usize>) {
     let quiet = known.events.disturbances().taken_out(recorded, known.shift);
@@ -45,6 +50,7 @@ pub fn problem(recorded: &Pair, covariates: &[Covariate], known: Known<'_>) -> (
     steps.sort_unstable();
     steps.dedup();
     steps.retain(|step| *step > 0 && *step < rows.len());
+    let kept = thinned(rows.len(), MOST, BLOCKS);
     let problem = Problem {
         time_s,
         channels,
@@ -56,7 +62,10 @@ pub fn problem(recorded: &Pair, covariates: &[Covariate], known: Known<'_>) -> (
         steps,
         ..Problem::default()
     };
-    (problem, rows)
+    if kept.len() == rows.len() {
+        return (problem, rows);
+    }
+    (problem.at(&kept), kept.into_iter().map(|row| rows[row]).collect())
 }
 
 /// What is faster than some steps in each column.

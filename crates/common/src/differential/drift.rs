@@ -28,7 +28,8 @@ pub struct Drift {
     /// Both parts together with the matrix under the fitted noise, demanded or not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub joint: Option<JointDrift>,
-    /// Both parts as the source has it: matrix and drift by least squares in turn until they stand.
+    /// Both parts as the source has it, where an exponential is significant: matrix and drift by least squares in turn
+    /// until they stand.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub iteration: Option<IteratedDrift>,
     /// A straight drift against noise with memory alone.
@@ -123,20 +124,18 @@ pub struct DriftChange {
     pub extrapolated: bool,
 }
 
-/// Two explanations of a slow change, with their weights: posterior probabilities where both are as probable
-/// before.
+/// Two explanations of a slow change with their probabilities; the odds against a drift before the readings are those
+/// against any other name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(default)]
 pub struct DriftExplanations {
-    /// Weight of a straight drift beside noise.
+    /// Probability of a straight drift beside noise.
     pub drift: f64,
-    /// Weight of noise with memory and no drift.
+    /// Probability of noise with memory and no drift.
     pub noise_alone: f64,
     /// The drift if it is one, over all forms of the noise, nT/day.
     pub straight_nt_per_day: Quantity,
-    /// α of the noise at long periods if there is no drift.
-    pub exponent_alone: Quantity,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

@@ -3,11 +3,13 @@
 use common::{Axis, Document};
 use joined::Pair;
 
+use super::stated::less_effects;
 use super::{Compared, rms};
 use crate::Error;
 
 /// Explains the difference of the instruments of a document's differential recordings.
 pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Error> {
+    let document = &less_effects(document)?;
     let read = joined::read(document)?;
     let covariates = super::covariates(document, &read.recordings);
     let of = paired::find(&read, covariates.clone(), false, told)?.explained(told)?;

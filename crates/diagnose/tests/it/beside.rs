@@ -107,6 +107,22 @@ fn a_load_that_is_switched_is_no_step() {
 }
 
 #[test]
+fn what_was_found_is_in_the_model_and_agrees_the_next_time() {
+    let pair = Pair::new(8);
+    let load: Vec<f64> = pair.switched().iter().map(|on| 2.0 * on).collect();
+    let felt = load.clone();
+    let of = |row: usize| [3.0, -1.0, 2.0].map(|size| size * felt[row]);
+    let document = pair.document(&[("load_current_a", load)], of, [0.05, 0.1]);
+    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
+    let adopted = &found.model.as_ref().expect("a model").effects;
+    assert_eq!((adopted.len(), adopted[0].effect.as_str()), (1, "stray_current"));
+    let again = diagnose::run(found.clone(), &Options::default()).expect("diagnosed");
+    assert_eq!(again.model, found.model);
+    let answer = &again.diagnosis.expect("a diagnosis")[0];
+    assert_eq!(answer.verdict, Verdict::Agrees, "{}", answer.answer);
+}
+
+#[test]
 fn a_command_that_is_logged_a_row_early_and_a_step_are_told_apart() {
     let pair = Pair::new(2);
     let acts = pair.switched();

@@ -2,39 +2,27 @@
 
 mod change;
 mod columns;
-mod explanations;
 mod iteration;
 mod joint;
 mod moments;
+mod weighed;
 
 pub use columns::{Beside, Columns};
 pub use joint::{Joint, LEVEL, joint};
+pub use weighed::{Weighed, weighed};
 
 use common::{Drift, DriftForm, Quantity, WindowMean};
-use estimate::cosine::{Errors, Regression, weighted};
+use estimate::cosine::{Errors, Regression};
 use estimate::stats;
 use faer::MatRef;
 
 use crate::Error;
 use columns::DAY_S;
-use explanations::{Explanations, explanations};
 use paired::noise::Noise;
 
 /// Windows of which means are told, and the least samples of one.
 const WINDOWS: usize = 12;
 const LEAST_OF_WINDOW: usize = 32;
-
-/// The explanations of the slow change that a fit with a straight drift leaves or takes for one: of what the
-/// reference's axes do not share with a straight line, for they would change with the drift.
-pub fn explained(columns: &Columns<'_>, straight: &Regression) -> Result<Option<Explanations>, Error> {
-    let (base, slope) = (columns.base(), straight.coefficients[3]);
-    let days = weighted(&base[..3], base[3], &Errors::independent(&columns.cosine))?.residual;
-    let with_drift: Vec<f64> =
-        straight.residual.iter().zip(&days).map(|(left, days)| left + slope * days).collect();
-    let squares: f64 = with_drift.iter().map(|c| c * c).sum();
-    let rms = (squares / columns.days.len() as f64).sqrt();
-    Ok(explanations(&with_drift, &days, (rms, columns.length_s() / DAY_S)))
-}
 
 /// Means of a difference, its drift in it, over equal windows, about the mean of all. Their uncertainties are
 /// those of the mean of noise over a window, and what the uncertainty of η (`matrix` its covariance) makes of
@@ -71,13 +59,15 @@ pub fn describe(
     test: &[f64],
     regression: &Regression,
     noise: &Noise,
-    joint: Option<&Joint>,
+    (joint, weighed): (Option<&Joint>, Option<&Weighed>),
 ) -> Result<Drift, Error> {
     let demanded = joint.filter(|joint| joint.p < LEVEL);
     let freedom = noise.freedom(&columns.cosine, &regression.influence[3]);
     let (slope, std) = (regression.coefficients[3], regression.covariance[(3, 3)].sqrt());
-    let straight_p = stats::two_sided_p(slope / std, freedom);
-    let form = match (straight_p < LEVEL, demanded.is_some()) {
+    let own =
+        (Quantity::new(slope, std * joint::widening(freedom)), stats::two_sided_p(slope / std, freedom));
+    let straight = weighed.and_then(|weighed| weighed.drift(slope));
+    let form = match (straight.is_some(), demanded.is_some()) {
         (false, false) => DriftForm::None,
         (true, false) => DriftForm::Straight,
         (false, true) => DriftForm::Exponential,
@@ -99,14 +89,16 @@ pub fn describe(
         let drift = (value, variance.sqrt(), freedom);
         change::change(days * DAY_S, drift, noise, (length_s, columns.pair.step_s))
     };
+    let (straight_nt_per_day, straight_p) = straight.unwrap_or(own);
     Ok(Drift {
         demanded: form,
         level: LEVEL,
-        straight_nt_per_day: Quantity::new(slope, std * joint::widening(freedom)),
+        straight_nt_per_day,
         straight_p,
         exponential_p: joint.map_or(1.0, |joint| joint.p),
+        explanations: weighed.map(Weighed::document),
         joint: joint.map(Joint::document),
-        iteration: joint.map(|joint| iteration::iterate(columns, test, joint)).transpose()?,
+        iteration: demanded.map(|joint| iteration::iterate(columns, test, joint)).transpose()?,
         per_day: Some(over(1.0)),
         per_month: Some(over(30.4375)),
         per_year: Some(over(365.25)),

@@ -141,7 +141,6 @@ fn over(name: &str, noise: &Noise, drift: &True) -> IndexMap<String, f64> {
             for (axis, of) in Axis::ALL.into_iter().zip(&found.drifts) {
                 let j = axis.index();
                 let joint = of.joint.as_ref().expect("a joint fit");
-                let iteration = of.iteration.as_ref().expect("an iteration");
                 add("claimed", share(of.demanded != DriftForm::None));
                 add("claimed exponential", share(of.exponential_p < of.level));
                 add("claimed straight", share(of.straight_p < of.level));
@@ -170,12 +169,16 @@ fn over(name: &str, noise: &Noise, drift: &True) -> IndexMap<String, f64> {
                 let change = noise_change[j] + drift.change(end, end + DAY_S);
                 let [low, high] = of.per_day.as_ref().expect("a change").interval_nt;
                 add("change over the next day", share((low..=high).contains(&change)));
-                add("rounds", iteration.rounds as f64);
-                add("settled", share(iteration.settled));
                 add("std of a", joint.amplitude_nt.std().expect("a std"));
                 add("std of ln τ", joint.covariance[5][5].sqrt());
-                let far = iteration.from_joint_std.iter().map(|off| off * off).sum::<f64>() / 6.0;
-                add("iteration from joint, mean square in std", far);
+                // Where an exponential is significant the source's iteration stands beside the joint fit.
+                assert_eq!(of.iteration.is_some(), of.exponential_p < of.level);
+                if let Some(iteration) = &of.iteration {
+                    add("rounds", iteration.rounds as f64);
+                    add("settled", share(iteration.settled));
+                    let far = iteration.from_joint_std.iter().map(|off| off * off).sum::<f64>() / 6.0;
+                    add("iteration from joint, mean square in std", far);
+                }
             }
             all
         })

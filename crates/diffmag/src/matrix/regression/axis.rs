@@ -114,12 +114,7 @@ pub(super) fn one(
     let own: Vec<Vec<f64>> =
         followed.iter().map(|column| columns.transform(column)).chain(step_transforms).collect();
     let beside = drift::Beside { own: &own, lines_hz: &seen };
-    let (mut straight, mut noise) = columns.straight(&y, &beside)?;
-    let explanations = drift::explained(columns, &straight)?;
-    if let Some(found) = explanations.as_ref().filter(|found| found.is_drift(straight.coefficients[DAYS])) {
-        noise = noise.with_lowest(&columns.cosine, &found.beside_drift);
-        straight = columns.under(&y, &noise, &beside)?;
-    }
+    let (straight, noise) = columns.straight(&y, &beside)?;
     let joint = drift::joint(columns, &y, &noise, &beside)?;
     let demanded = joint.as_ref().filter(|joint| joint.p < drift::LEVEL);
     let drift_columns = demanded.map_or(Vec::new(), |joint| columns.exponential(joint.ln_tau).to_vec());
@@ -143,22 +138,8 @@ pub(super) fn one(
         places[before_own..].iter().map(|place| place.of(&regression.coefficients)).collect();
     let level = without(test, &every[before_own..], &sizes);
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
-    let mut found = drift::describe(columns, &level, regression, &noise, joint.as_ref())?;
-    if let Some(explanations) = &explanations {
-        // Over all forms of noise: no degrees of freedom of the noise are left to count.
-        let (slope, std) =
-            (found.straight_nt_per_day.value(), explanations.straight_nt_per_day.std().unwrap_or(0.0));
-        if explanations.is_drift(slope) {
-            found.straight_nt_per_day = Quantity::new(slope, std);
-            found.straight_p = explanations.p_of(slope);
-            found.demanded = match found.demanded {
-                DriftForm::None => DriftForm::Straight,
-                DriftForm::Exponential => DriftForm::Both,
-                other => other,
-            };
-        }
-        found.explanations = Some(explanations.document());
-    }
+    let weighed = drift::weighed(pair, test, &every[STRAIGHT..])?;
+    let mut found = drift::describe(columns, &level, regression, &noise, (joint.as_ref(), weighed.as_ref()))?;
     let matrix = &regression.coefficients[..DAYS];
     found.windows = drift::window_means(
         &rest(&pair.reference, &level, matrix),

@@ -134,11 +134,6 @@ impl<'a> Columns<'a> {
         Noise::by_octaves(self.cosine.ordinates(regression, errors, line), self.pair)
     }
 
-    /// η and the straight drift under this noise.
-    pub fn under(&self, y: &[f64], noise: &Noise, beside: &Beside<'_>) -> Result<Regression, Error> {
-        Ok(weighted(&self.with(&[], beside), y, &noise.errors(&self.cosine)?)?)
-    }
-
     /// η and the straight drift, under the noise of what they leave.
     pub fn straight(&self, y: &[f64], beside: &Beside<'_>) -> Result<(Regression, Noise), Error> {
         let all = self.with(&[], beside);

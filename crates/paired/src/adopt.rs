@@ -11,7 +11,7 @@ use joined::Pair;
 /// has a δ₀ of its own.
 ///
 /// `pair` is that of the readings before they were corrected.
-pub fn clock(document: &mut Document, pair: &Pair, found: &ClockDifference) {
+pub fn clock(document: &mut Document, pair: &Pair, found: &ClockDifference, found_by: &str) {
     let lead_s = lead_s(document);
     let rate = &found.rate_ppm;
     let std = |of: &Quantity| of.std().unwrap_or(0.0);
@@ -35,17 +35,17 @@ pub fn clock(document: &mut Document, pair: &Pair, found: &ClockDifference) {
         effects.push(AdoptedEffect {
             from_s: begins(rows.start),
             to_s: begins(rows.end),
-            ..effect(Kind::ClockOffset, at_zero)
+            ..effect(Kind::ClockOffset, at_zero, found_by)
         });
     }
-    effects.push(effect(Kind::ClockRate, rate.clone()));
+    effects.push(effect(Kind::ClockRate, rate.clone(), found_by));
 }
 
-fn effect(kind: Kind, size: Quantity) -> AdoptedEffect {
+fn effect(kind: Kind, size: Quantity, found_by: &str) -> AdoptedEffect {
     AdoptedEffect {
         effect: kind.name().into(),
         parameters: [(kind.parameters()[0].name.to_string(), size)].into_iter().collect(),
-        extra: [("found_by".to_string(), "diffmag".into())].into_iter().collect(),
+        extra: [("found_by".to_string(), found_by.into())].into_iter().collect(),
         ..AdoptedEffect::default()
     }
 }

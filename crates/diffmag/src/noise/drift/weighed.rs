@@ -1,0 +1,141 @@
+//! A straight drift against noise alone, by the engine `explain`.
+
+use common::{DriftExplanations, Quantity};
+use estimate::stats;
+use explain::{Cause, Form, Problem};
+use joined::Pair;
+
+use super::joint::LEVEL;
+use crate::Error;
+
+/// A drift is as slow as can be: means of rows show it as well, and so many are enough.
+const MEANS: usize = 2_048;
+/// A drift is one with at least this probability.
+const NAMED: f64 = 0.9;
+const DAY_S: f64 = 86_400.0;
+
+/// What is known of a straight drift beside noise of many forms.
+pub struct Weighed {
+    /// Its probability; the rest is that of noise alone.
+    probability: f64,
+    /// The drift, if it is one, nT/day.
+    nt_per_day: Quantity,
+}
+
+/// Weighs a straight drift of readings beside the reference and other columns; None of short recordings.
+pub fn weighed(pair: &Pair, test: &[f64], columns: &[&[f64]]) -> Result<Option<Weighed>, Error> {
+    if pair.samples() < paired::LEAST {
+        return Ok(None);
+    }
+    let each = test.len().div_ceil(MEANS);
+    let means = |values: &[f64]| -> Vec<f64> { values.chunks(each).map(stats::mean).collect() };
+    let time_s: Vec<f64> = (0..test.len()).map(|row| pair.time_s(row)).collect();
+    let problem = Problem {
+        time_s: means(&time_s),
+        channels: vec![means(test)],
+        base: pair.reference.iter().map(AsRef::as_ref).chain(columns.iter().copied()).map(means).collect(),
+        noisy: pair.reference.len(),
+        ..Problem::default()
+    };
+    let (gain, amplitude) = explain::weigh(&problem, Cause::Time, Form::default())?;
+    let slope = amplitude.first().first().cloned().unwrap_or_default();
+    let nt_per_day = Quantity::new(DAY_S * slope.value(), DAY_S * slope.std().unwrap_or(f64::INFINITY));
+    Ok(Some(Weighed { probability: 1.0 / (1.0 + (-gain).exp()), nt_per_day }))
+}
+
+impl Weighed {
+    /// A slope that was fitted, with its uncertainty over all forms of noise, and the probability of as great a one
+    /// by chance; None where it is no drift.
+    pub fn drift(&self, slope: f64) -> Option<(Quantity, f64)> {
+        let std = self.nt_per_day.std().unwrap_or(f64::INFINITY);
+        let p = stats::two_sided_p(slope / std, f64::INFINITY);
+        (self.probability >= NAMED && p < LEVEL).then(|| (Quantity::new(slope, std), p))
+    }
+
+    /// As a document has it.
+    pub fn document(&self) -> DriftExplanations {
+        DriftExplanations {
+            drift: self.probability,
+            noise_alone: 1.0 - self.probability,
+            straight_nt_per_day: self.nt_per_day.clone(),
+            ..DriftExplanations::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use joined::Segment;
+    use noise::{Stream, power_law};
+    use rayon::prelude::*;
+
+    const ROWS: usize = 1024;
+    const STEP_S: f64 = 60.0;
+    const SEEDS: u64 = 40;
+
+    /// A field that wanders beside white noise and noise of 1/f^α, and a drift; what is known of the drift.
+    fn known(seed: u64, exponent: f64, nt_per_day: f64) -> Weighed {
+        let mut stream = Stream::new(seed, "weighed");
+        let mut field = || -> Vec<f64> {
+            let walk = power_law(&mut stream, ROWS, STEP_S, 1e-4, 2.0);
+            walk.into_iter().map(|b| 20_000.0 + b).collect()
+        };
+        let reference = [field(), field(), field()];
+        // As much as the white noise at a period of 100 rows.
+        let amplitude = 2.0 * STEP_S * 0.1_f64.powi(2) * (0.01 / STEP_S).powf(exponent);
+        let own = power_law(&mut stream, ROWS, STEP_S, amplitude, exponent);
+        let read = |row: usize| {
+            let turned = 1.001 * reference[0][row] + 0.004 * reference[1][row];
+            turned + own[row] + nt_per_day * row as f64 * STEP_S / DAY_S
+        };
+        let test: Vec<f64> = (0..ROWS).map(|row| read(row) + 0.1 * stream.normal()).collect();
+        let pair = Pair {
+            recordings: Vec::new(),
+            first_s: 0.0,
+            step_s: STEP_S,
+            reference: reference.map(Into::into),
+            test: Vec::new(),
+            third: None,
+            reference_noise: None,
+            whole: vec![true; ROWS],
+            highest_hz: None,
+            steps: Vec::new(),
+            segments: vec![Segment { rows: 0..ROWS, late_s: 0.0 }],
+            boundaries: Vec::new(),
+            pauses: Vec::new(),
+            step_stds: Vec::new(),
+            told: Vec::new(),
+        };
+        weighed(&pair, &test, &[]).expect("weighed").expect("enough rows")
+    }
+
+    fn all(exponent: f64, nt_per_day: f64) -> Vec<Weighed> {
+        (0..SEEDS).into_par_iter().map(|seed| known(seed, exponent, nt_per_day)).collect()
+    }
+
+    #[test]
+    fn noise_alone_is_seldom_taken_for_a_drift() {
+        for exponent in [0.0, 1.0, 1.5, 2.0] {
+            let sure = all(exponent, 0.0).iter().filter(|one| one.probability >= NAMED).count();
+            println!("1/f^{exponent}: {sure} of {SEEDS} drifts");
+            assert!(sure <= 1, "{exponent}: {sure}");
+        }
+    }
+
+    #[test]
+    fn a_drift_is_seen_in_noise_that_does_not_wander_as_far() {
+        for exponent in [0.0, 1.0] {
+            let found = all(exponent, 1.5);
+            let sure = found.iter().filter(|one| one.probability >= NAMED).count();
+            let within = |of: &&Weighed| {
+                (of.nt_per_day.value() - 1.5).abs() < 1.96 * of.nt_per_day.std().expect("a std")
+            };
+            let held = found.iter().filter(within).count();
+            println!("1/f^{exponent}: {sure} of {SEEDS} seen, {held} within the 95 % interval");
+            assert!(
+                sure as f64 > 0.9 * SEEDS as f64 && testkit::agrees(held, SEEDS as usize, [0.92, 0.98], 2)
+            );
+        }
+    }
+}
