@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::form::Form;
 use crate::problem::Cause;
 use crate::products::Product;
 use crate::stack::{Candidate, Stack};
@@ -42,6 +43,15 @@ pub struct Rival {
     pub probability: f64,
 }
 
+/// ln of the prior share of a form among those of its cause: half of it is that the cause acts at once.
+fn of_form(candidate: &Candidate, forms: usize) -> f64 {
+    match forms {
+        0 | 1 => 0.0,
+        _ if candidate.form == Form::default() => -std::f64::consts::LN_2,
+        others => -(2.0 * (others as f64 - 1.0)).ln(),
+    }
+}
+
 /// ln of the odds for a cause of one amplitude, from the square of it over its uncertainty, so many rows and so many
 /// causes that are weighed.
 pub fn odds(square: f64, rows: usize, causes: usize) -> f64 {
@@ -80,7 +90,7 @@ impl<'a> Search<'a> {
         forms: &dyn Fn(Cause) -> usize,
     ) -> Self {
         let of = |candidate: &Candidate| {
-            -AGAINST - (causes.max(1) as f64).ln() - (forms(candidate.cause).max(1) as f64).ln()
+            -AGAINST - (causes.max(1) as f64).ln() + of_form(candidate, forms(candidate.cause))
         };
         let prior = stack.candidates.iter().map(of).collect();
         Self { stack, products, rows, prior, weighed: BTreeMap::new() }

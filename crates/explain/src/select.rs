@@ -40,22 +40,22 @@ pub struct Selected {
     pub noises: Vec<noises::Form>,
 }
 
-/// A cause in one form on all channels: ln of the odds for it, and its amplitude.
+/// Causes in their forms on all channels: ln of the odds for all of them together, and their amplitudes.
 ///
 /// # Errors
 ///
 /// Times out of order.
-pub fn weigh(problem: &Problem, cause: Cause, form: Form) -> Result<(f64, Amplitude), Error> {
+pub fn weigh(problem: &Problem, offered: &[(Cause, Form)]) -> Result<(f64, Vec<Amplitude>), Error> {
     let laws = noises::laws(problem.step_s());
     let all = vec![true; problem.channels.len()];
-    let stack = Stack::of(problem, &[(cause, form)]);
+    let stack = Stack::of(problem, offered);
     let made = products(&problem.time_s, &stack, &laws)?;
-    let set = [Named { candidate: 0, channels: all.clone() }];
+    let named = |candidate: usize| Named { candidate, channels: all.clone() };
+    let set: Vec<Named> = (0..offered.len()).map(named).collect();
     let (noises, _) = with_spectra(problem, &stack, &laws, &made, &set)?;
-    let gains = gains(problem, &[(cause, form, all)], &noises, 1, &|_| 1)?;
-    let fitted = amplitude::fit(problem, &[(cause, form)], &noises)?;
-    let amplitude = fitted.amplitudes.into_iter().next().ok_or(Error::Series("without a channel"))?;
-    Ok((gains[0], amplitude))
+    let named: Vec<_> = offered.iter().map(|(cause, form)| (*cause, *form, all.clone())).collect();
+    let gain = gains(problem, &named, &noises, 1, &|_| 1, &[(0..offered.len()).collect()])?[0];
+    Ok((gain, amplitude::fit(problem, offered, &noises)?.amplitudes))
 }
 
 /// Weighs some causes of a problem; what noise of the reference may imitate is no name.
@@ -111,7 +111,8 @@ fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
     for by in NEARER {
         refine(problem, &mut named, &noises, by)?;
     }
-    let gains = gains(problem, &named, &noises, all, &count)?;
+    let each: Vec<Vec<usize>> = (0..named.len()).map(|one| vec![one]).collect();
+    let gains = gains(problem, &named, &noises, all, &count, &each)?;
     Ok(Selected { named, gains, rivals, offered, noises })
 }
 
@@ -252,7 +253,7 @@ fn refine(
     Ok(())
 }
 
-/// ln of the odds of the set with and without each cause, less the most that it loses by any share of the noise
+/// ln of the odds of the set with and without each of some parts of it, less the most that it loses by any share of the noise
 /// that may be the reference's.
 fn gains(
     problem: &Problem,
@@ -260,6 +261,7 @@ fn gains(
     noises: &[noises::Form],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
+    parts: &[Vec<usize>],
 ) -> Result<Vec<f64>, Error> {
     if named.is_empty() {
         return Ok(Vec::new());
@@ -272,12 +274,11 @@ fn gains(
         .collect();
     let without = |search: Search<'_>| -> Vec<f64> {
         let whole = search.evidence(&all);
-        let of = |out: usize| {
-            let mut rest = all.clone();
-            rest.remove(out);
-            whole - search.evidence(&rest)
+        let of = |out: &Vec<usize>| {
+            let rest = all.iter().filter(|one| !out.contains(&one.candidate)).cloned();
+            whole - search.evidence(&rest.collect::<Vec<_>>())
         };
-        (0..all.len()).map(of).collect()
+        parts.iter().map(of).collect()
     };
     let stack = Stack::of(problem, &offered);
     let made = products(&problem.time_s, &stack, noises)?;
@@ -298,7 +299,7 @@ fn gains(
         without(Search::of_channels(&stack, of_channels, problem.rows(), causes, count))
     };
     let none = at(0);
-    let mut lost = vec![0.0_f64; all.len()];
+    let mut lost = vec![0.0_f64; parts.len()];
     for gains in (1..=SHARES).map(at) {
         lost.iter_mut()
             .zip(none.iter().zip(&gains))

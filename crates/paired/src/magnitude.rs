@@ -6,14 +6,20 @@
 //! What is determined is the level and the slopes: the direction of the main field, and a common scale factor. The
 //! sensors' scale factors one by one, and the angles between them, are not seen.
 
-use explain::Fit;
+use explain::{Cause, Covariate, Fit, Form, Problem, thinned};
 use faer::Mat;
 use joined::{Pair, Segment};
+
+use crate::LEAST;
+use crate::residual::scatter;
 
 /// Rounds of slopes and of the bend that follows from them.
 const ROUNDS: usize = 3;
 /// Rows are on an even grid where their times are off by less than this share of the step.
 const EVEN: f64 = 0.05;
+/// So many rows, in so many blocks that are spread over all, say whether there are slopes.
+const MOST: usize = 1 << 15;
+const BLOCKS: usize = 16;
 /// Fields that turn by less, in radians, say little of single sensors.
 const TURNS: f64 = 0.1;
 
@@ -118,42 +124,50 @@ impl Readings {
         }
     }
 
-    /// Rms of what slopes leave beside a level.
-    fn left(&self, slopes: [f64; 3]) -> f64 {
+    /// What slopes leave of each row.
+    fn rest(&self, slopes: [f64; 3]) -> Vec<f64> {
         let (mean, bend) = (self.mean(), self.bend(slopes));
         let rest = |row: usize| {
             let along: f64 = (0..3).map(|i| slopes[i] * (self.b[row][i] - mean[i])).sum();
             self.scalar[row] - bend[row] - along
         };
-        let rest: Vec<f64> = (0..self.b.len()).map(rest).collect();
-        let middle = estimate::stats::mean(&rest);
-        (rest.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / rest.len() as f64).sqrt()
+        (0..self.b.len()).map(rest).collect()
     }
 
-    /// Rms of what the fit to either half of the rows leaves of the other, and the same of the level alone.
-    fn of_the_other_half(&self, fitted: bool) -> f64 {
-        let half = |from: usize, to: usize| Self {
-            time_s: self.time_s[from..to].to_vec(),
-            b: self.b[from..to].to_vec(),
-            scalar: self.scalar[from..to].to_vec(),
-        };
-        let (middle, last) = (self.b.len() / 2, self.b.len());
-        let halves = [half(0, middle), half(middle, last)];
-        let of = |one: usize| {
-            let level = if fitted { halves[one].by_least_squares() } else { halves[one].stated() };
-            halves[1 - one].left(level.slopes).powi(2)
-        };
-        (0.5 * (of(0) + of(1))).sqrt()
+    /// Its rms beside a level.
+    fn left(&self, slopes: [f64; 3]) -> f64 {
+        let rest = self.rest(slopes);
+        scatter(&rest, &vec![true; rest.len()])
     }
 
-    /// A level and three slopes; the level alone where the slopes that the calibration means predict one half of the
-    /// rows from the other no worse.
-    pub fn level(&self) -> Level {
-        if self.of_the_other_half(false) <= self.of_the_other_half(true) {
-            self.stated()
-        } else {
-            self.by_least_squares()
-        }
+    /// ln of the odds for slopes beside those that the calibration means, under noise of many forms.
+    fn odds_of_slopes(&self) -> Result<f64, estimate::Error> {
+        let rest = self.rest(self.stated().slopes);
+        let kept = thinned(self.b.len(), MOST, BLOCKS);
+        let of = |axis: usize| Covariate {
+            name: String::new(),
+            time_s: kept.iter().map(|row| self.time_s[*row]).collect(),
+            values: kept.iter().map(|row| self.b[*row][axis]).collect(),
+        };
+        let problem = Problem {
+            time_s: kept.iter().map(|row| self.time_s[*row]).collect(),
+            channels: vec![kept.iter().map(|row| rest[*row]).collect()],
+            covariates: (0..3).map(of).collect(),
+            ..Problem::default()
+        };
+        let slopes = [0, 1, 2].map(|axis| (Cause::Covariate(axis), Form::default()));
+        Ok(explain::weigh(&problem, &slopes)?.0)
+    }
+
+    /// A level and three slopes; the level alone where the readings show no slopes but those that the calibration
+    /// means.
+    ///
+    /// # Errors
+    ///
+    /// Times out of order.
+    pub fn level(&self) -> Result<Level, estimate::Error> {
+        let seen = self.b.len() < LEAST || self.odds_of_slopes()? > 0.0;
+        Ok(if seen { self.by_least_squares() } else { self.stated() })
     }
 
     /// By plain least squares, the bend taken off.
@@ -227,7 +241,7 @@ mod tests {
             (0..500).map(|k| [0.7, 1.1, 1.9].map(|w: f64| 60.0 * (w * f64::from(k) / 30.0).sin())).collect();
         let scalar = b.iter().map(|b| (0..3).map(|i| (main[i] + b[i]).powi(2)).sum::<f64>().sqrt()).collect();
         let readings = Readings { time_s: (0..500).map(f64::from).collect(), b, scalar };
-        let level = readings.level();
+        let level = readings.level().expect("a level");
         let size = main.iter().map(|m: &f64| m * m).sum::<f64>().sqrt();
         for (slope, main) in level.slopes.iter().zip(main) {
             assert!((slope - main / size).abs() < 2e-3, "{level:?}");

@@ -27,7 +27,7 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     if readings.turn() {
         return Ok(None);
     }
-    let level = readings.level();
+    let level = readings.level()?;
     let ids: Vec<String> = series.iter().map(|one| one.id.clone()).collect();
     let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
     let covariates: Vec<Covariate> = joined::beside(document, &ids).into_iter().map(of).collect();

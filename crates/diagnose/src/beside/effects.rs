@@ -50,10 +50,11 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         Some(column) => format!("follows {column}"),
         None => kind.map_or(String::new(), |kind| kind.about().title.to_string()),
     };
+    let form = Form { late_s: one.late_s.as_ref().map_or(0.0, Quantity::value), ..one.form };
     ExplainedEffect {
         effect: effect.into(),
         title: match &column {
-            Some(_) => format!("{} {follows}{}", compared.what, answer::lateness(&one.form)),
+            Some(_) => format!("{} {follows}{}", compared.what, answer::lateness(&form)),
             None => follows,
         },
         physics: kind

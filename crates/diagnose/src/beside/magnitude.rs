@@ -35,7 +35,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     let as_it_came: Vec<f64> = as_it_came.iter().map(|left| left - level).collect();
     let recordings: Vec<String> = observed.runs.iter().map(|run| run.recording.id.clone()).collect();
     let covariates = super::covariates(document, &recordings);
-    let found = rows.level();
+    let found = rows.level()?;
     let of = paired::find(&rows.pair(&found), covariates.clone(), false, told)?.explained(told)?;
     let found = found.fitted(&of.explained.base[0], of.problem.base.len());
     let (scale, added) = found.main_field(std::array::from_fn(|axis| of.explained.base[0][axis].1));

@@ -233,7 +233,9 @@ fn followed(series: &Series, all: &[Followed]) -> Vec<f64> {
                 let share = 1.0 - (-(time[row] - time[row - 1]) / lag_s).exp();
                 behind += share * (values[row] - behind);
             }
-            sum[row] += one.nt_per_unit.value() * (behind - one.at);
+            let apart = behind - one.at;
+            let square = one.nt_per_unit2.as_ref().map_or(0.0, Quantity::value);
+            sum[row] += one.nt_per_unit.value() * apart + square * apart * apart;
         }
     }
     sum

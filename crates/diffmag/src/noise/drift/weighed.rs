@@ -37,8 +37,8 @@ pub fn weighed(pair: &Pair, test: &[f64], columns: &[&[f64]]) -> Result<Option<W
         noisy: pair.reference.len(),
         ..Problem::default()
     };
-    let (gain, amplitude) = explain::weigh(&problem, Cause::Time, Form::default())?;
-    let slope = amplitude.first().first().cloned().unwrap_or_default();
+    let (gain, amplitudes) = explain::weigh(&problem, &[(Cause::Time, Form::default())])?;
+    let slope = amplitudes.first().and_then(|one| one.first().first().cloned()).unwrap_or_default();
     let nt_per_day = Quantity::new(DAY_S * slope.value(), DAY_S * slope.std().unwrap_or(f64::INFINITY));
     Ok(Some(Weighed { probability: 1.0 / (1.0 + (-gain).exp()), nt_per_day }))
 }
