@@ -159,6 +159,7 @@ impl Found {
         told("looking for steps and disturbed readings, and at the clocks");
         self.raw =
             self.follows.iter().fold(self.recorded.clone(), |pair, follows| follows.added(&pair, -1.0));
+        self.raw.segments.iter_mut().for_each(|segment| segment.late_s = 0.0);
         pauses::cut(&mut self.raw)?;
         let segments = segments::find(&mut self.raw)?;
         (self.recorded.segments, self.recorded.boundaries) =
