@@ -9,6 +9,9 @@ const PANEL: f64 = 110.0;
 const LEFT: f64 = 62.0;
 const TOP: f64 = 26.0;
 const BOTTOM: f64 = 34.0;
+/// A letter's width in the mean, and what is between two labels.
+const LETTER: f64 = 5.4;
+const GAP: f64 = 12.0;
 const COLOURS: [&str; 3] = ["#c2410c", "#1d4ed8", "#15803d"];
 
 /// One curve of a panel.
@@ -120,13 +123,14 @@ pub fn svg(title: &str, x: &str, panels: &[Panel], from_x: Option<f64>) -> Strin
     ));
     put(format!("<text x=\"{:.1}\" y=\"{bottom:.1}\" text-anchor=\"middle\">{x}</text>\n", WIDTH / 2.0));
     let labels = panels.first().map_or(&[][..], |panel| &panel.lines);
-    for (number, (line, colour)) in labels.iter().zip(COLOURS).enumerate() {
+    let mut from = LEFT;
+    for (line, colour) in labels.iter().zip(COLOURS) {
         put(format!(
-            "<text x=\"{:.1}\" y=\"{:.1}\" fill=\"{colour}\">{}</text>\n",
-            LEFT + 235.0 * number as f64,
+            "<text x=\"{from:.1}\" y=\"{:.1}\" fill=\"{colour}\">{}</text>\n",
             bottom + 18.0,
             line.label
         ));
+        from += LETTER * line.label.chars().count() as f64 + GAP;
     }
     put("</svg>\n".into());
     svg

@@ -1,13 +1,13 @@
 //! Sensors whose field hardly turns beside a scalar magnetometer: see `paired::magnitude`.
 
 use common::{Document, Quantity};
+use nalgebra::Vector3;
 use paired::magnitude::Readings;
-use physics::Unit;
+use physics::{Setting, Unit};
 
 use super::{Compared, rms};
 use crate::Error;
 use crate::channel::{Channel, Reader};
-use crate::magnitude;
 use crate::observed::Observed;
 
 /// Explains what the magnitude leaves, where the recordings do not determine the sensors one by one; None for
@@ -20,12 +20,10 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     };
     let Ok(observed) = Observed::of(document) else { return Ok(None) };
     let timed = |channel: &Channel| channel.reader == Reader::Magnitude && observed.times(channel).is_some();
-    if document.model.as_ref().is_some_and(|model| !model.effects.is_empty())
-        || !observed.channels.iter().all(timed)
-    {
+    if !observed.channels.iter().all(timed) {
         return Ok(None);
     }
-    let rows = readings(&observed);
+    let rows = readings(document, &observed)?;
     if rows.turn() {
         return Ok(None);
     }
@@ -56,18 +54,21 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     }))
 }
 
-/// The readings of all recordings on one clock.
-fn readings(observed: &Observed<'_>) -> Readings {
+/// The readings of all recordings on one clock, corrected by calibration and effects of the model.
+fn readings(document: &Document, observed: &Observed<'_>) -> Result<Readings, Error> {
+    let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let mut all = Readings::default();
     for channel in &observed.channels {
         let run = &observed.runs[channel.run];
-        let clock = run.setting.context.clock_s;
-        all.time_s.extend(observed.times(channel).into_iter().flatten().map(|t| t + clock));
-        all.b.extend(channel.vectors.iter().map(|reading| {
-            let field = magnitude::field(&run.setting.basic, reading);
-            [field.x, field.y, field.z]
-        }));
+        let Setting { basic, context } = &run.setting;
+        let own: Vec<_> = effects.iter().filter(|effect| effect.acts(run.recording)).cloned().collect();
+        let mut vectors = vec![Vector3::repeat(f64::NAN); run.recording.rows()];
+        channel.rows.iter().zip(&channel.vectors).for_each(|(row, vector)| vectors[*row] = *vector);
+        let field = physics::field_in_sen(basic, &own, context, &vectors);
+        let field = field.map_err(|error| error.at(&run.path))?;
+        all.time_s.extend(observed.times(channel).into_iter().flatten().map(|t| t + context.clock_s));
+        all.b.extend(channel.rows.iter().map(|row| [field[*row].x, field[*row].y, field[*row].z]));
         all.scalar.extend(&channel.readings);
     }
-    all.sorted()
+    Ok(all.sorted())
 }

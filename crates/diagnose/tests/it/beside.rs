@@ -158,7 +158,7 @@ fn noise_of_the_reference_is_no_name() {
 
 #[test]
 fn a_variometer_beside_a_scalar_agrees_and_its_temperature_is_named() {
-    for coefficient in [0.0, 0.08] {
+    for (coefficient, stated) in [(0.0, false), (0.08, false), (0.08, true)] {
         let pair = Pair::new(7);
         let Pair { mut stream, field } = pair;
         let main = [20_500.0, 1500.0, 44_000.0];
@@ -180,10 +180,16 @@ fn a_variometer_beside_a_scalar_agrees_and_its_temperature_is_named() {
             columns[format!("sensor_{name}_nt")] =
                 json!(field.iter().enumerate().map(read).collect::<Vec<_>>());
         }
-        let document =
+        let mut document =
             json!({"fluxcal": 1, "recordings": [{"id": "hut", "procedure": "free_run", "columns": columns}]});
+        if stated {
+            let parameters = json!({"coefficient_nt_per_k": coefficient, "curvature_nt_per_k2": 0.0});
+            let effect = json!({"effect": "offset_temperature", "sensor": "z", "parameters": parameters});
+            document["model"] = json!({"effects": [effect]});
+            document["calibration"] = json!({"reference_conditions": {"sensor_temperature_c": 20.0}});
+        }
         let found = entry(parsed(document));
-        if coefficient == 0.0 {
+        if coefficient == 0.0 || stated {
             assert_eq!(found.verdict, Verdict::Agrees, "{}", found.answer);
         } else {
             assert_eq!(names(&found), [("dependence", Some("sensor_temperature_c"))], "{}", found.answer);
