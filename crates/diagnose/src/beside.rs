@@ -132,8 +132,8 @@ impl Compared {
             })
             .collect();
         let clocks = [Kind::ClockOffset, Kind::ClockRate].map(Kind::name);
-        let stated = document.model.iter().flat_map(|model| &model.effects);
-        let timed = stated.clone().any(|effect| clocks.contains(&effect.effect.as_str()));
+        let mut stated = document.model.iter().flat_map(|model| &model.effects);
+        let timed = stated.any(|effect| clocks.contains(&effect.effect.as_str()));
         if !currents.is_empty() {
             document.model.get_or_insert_default().effects.extend(currents);
         }

@@ -120,24 +120,30 @@ pub fn find(
     };
     if found.covariates.is_empty() || recorded.samples() < LEAST {
         found.prepare(correct_clock, told)?;
-        found.judge()?;
-        return Ok(found);
+    } else {
+        found.weigh_and_prepare(correct_clock, told)?;
     }
-    told("comparing the clocks");
-    found.prepared.shift = whole_samples(recorded)?;
-    for round in 0..ROUNDS {
-        // Disturbed rows are left out first: what a step was taken for may then follow a column.
-        let with_steps = round != 1 || found.prepared.events.disturbances().found.is_empty();
-        if !found.weigh(with_steps, told)? && with_steps {
-            break;
-        }
-        found.prepare(correct_clock, told)?;
-    }
-    found.judge()?;
+    // What parts and bands say of the clock.
+    delays::judge(&found.raw, &mut found.prepared)?;
     Ok(found)
 }
 
 impl Found {
+    /// Columns, then clocks and events in what they leave, until neither changes.
+    fn weigh_and_prepare(&mut self, correct_clock: bool, told: &dyn Fn(&str)) -> Result<(), Error> {
+        told("comparing the clocks");
+        self.prepared.shift = whole_samples(&self.recorded)?;
+        for round in 0..ROUNDS {
+            // Disturbed rows are left out first: what a step was taken for may then follow a column.
+            let with_steps = round != 1 || self.prepared.events.disturbances().found.is_empty();
+            if !self.weigh(with_steps, told)? && with_steps {
+                break;
+            }
+            self.prepare(correct_clock, told)?;
+        }
+        Ok(())
+    }
+
     /// Weighs the columns with what is known of clocks and events; whether that was not done before.
     fn weigh(&mut self, with_steps: bool, told: &dyn Fn(&str)) -> Result<bool, Error> {
         let events = &self.prepared.events;
@@ -169,11 +175,6 @@ impl Found {
             segments.write(clock);
         }
         Ok(())
-    }
-
-    /// What parts and bands say of the clock.
-    fn judge(&mut self) -> Result<(), Error> {
-        delays::judge(&self.raw, &mut self.prepared)
     }
 
     /// What the engine says with these clocks and events.

@@ -17,8 +17,8 @@ const SMOOTH_ROWS: f64 = 64.0;
 /// The answer at short periods is that at long ones within this standard deviation, nT/nT.
 const ALIKE: f64 = 1.0;
 
-/// Of more rows the columns are weighed on so many, in so many blocks that are spread over all: on a day of seconds as
-/// it is, on a tenth of a month.
+/// Of more rows so many are weighed, in so many blocks that are spread over all: a day of seconds whole, a tenth of a
+/// month.
 const MOST: usize = 1 << 18;
 const BLOCKS: usize = 64;
 

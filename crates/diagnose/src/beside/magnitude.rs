@@ -23,10 +23,8 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     if !observed.channels.iter().all(timed) {
         return Ok(None);
     }
-    let rows = readings(document, &observed)?;
-    if rows.turn() {
-        return Ok(None);
-    }
+    let still = |rows: &Readings| !rows.b.is_empty() && !rows.turn();
+    let Some(rows) = readings(document, &observed)?.filter(still) else { return Ok(None) };
     let as_it_came: Vec<f64> =
         rows.b.iter().zip(&rows.scalar).map(|(b, scalar)| scalar - b[0].hypot(b[1]).hypot(b[2])).collect();
     let level = estimate::stats::mean(&as_it_came);
@@ -54,8 +52,9 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     }))
 }
 
-/// The readings of all recordings on one clock, corrected by calibration and effects of the model.
-fn readings(document: &Document, observed: &Observed<'_>) -> Result<Readings, Error> {
+/// The readings of all recordings on one clock, corrected by calibration and effects of the model; None where the
+/// effects have no inverse.
+fn readings(document: &Document, observed: &Observed<'_>) -> Result<Option<Readings>, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let mut all = Readings::default();
     for channel in &observed.channels {
@@ -64,11 +63,16 @@ fn readings(document: &Document, observed: &Observed<'_>) -> Result<Readings, Er
         let own: Vec<_> = effects.iter().filter(|effect| effect.acts(run.recording)).cloned().collect();
         let mut vectors = vec![Vector3::repeat(f64::NAN); run.recording.rows()];
         channel.rows.iter().zip(&channel.vectors).for_each(|(row, vector)| vectors[*row] = *vector);
-        let field = physics::field_in_sen(basic, &own, context, &vectors);
-        let field = field.map_err(|error| error.at(&run.path))?;
-        all.time_s.extend(observed.times(channel).into_iter().flatten().map(|t| t + context.clock_s));
-        all.b.extend(channel.rows.iter().map(|row| [field[*row].x, field[*row].y, field[*row].z]));
-        all.scalar.extend(&channel.readings);
+        let Ok(field) = physics::field_in_sen(basic, &own, context, &vectors) else { return Ok(None) };
+        let times = observed.times(channel).into_iter().flatten();
+        for ((row, time_s), scalar) in channel.rows.iter().zip(times).zip(&channel.readings) {
+            // Beyond the ends of a shifted clock nothing is known.
+            if field[*row].iter().all(|value| value.is_finite()) {
+                all.time_s.push(time_s + context.clock_s);
+                all.b.push(field[*row].into());
+                all.scalar.push(*scalar);
+            }
+        }
     }
-    Ok(all.sorted())
+    Ok(Some(all.sorted()))
 }
