@@ -54,6 +54,17 @@ impl Gains {
         }
     }
 
+    /// How many there are.
+    pub fn distinct(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Σ ln F over the rows.
+    pub fn log_variance(&self) -> f64 {
+        let logarithms: Vec<f64> = self.kept.iter().map(|gain| gain.variance.ln()).collect();
+        self.which.iter().map(|which| logarithms[*which]).sum()
+    }
+
     /// That of a row.
     pub fn of(&self, row: usize) -> &Gain {
         &self.kept[self.which[row]]
@@ -72,8 +83,11 @@ pub struct Filter<'a> {
     walk: f64,
     white: f64,
     covariance: Vec<f64>,
+    /// Its sums over rows: M.
+    sums: Vec<f64>,
     /// φ and s² (1 − φ²) for the step of the row before.
-    moves: Vec<(f64, f64)>,
+    kept: Vec<f64>,
+    added: Vec<f64>,
     step_s: f64,
     steady: bool,
     /// What the last row does.
@@ -92,7 +106,9 @@ impl<'a> Filter<'a> {
             walk,
             white,
             covariance,
-            moves: vec![(1.0, 0.0); states],
+            sums: vec![0.0; states],
+            kept: vec![1.0; states],
+            added: vec![0.0; states],
             step_s: f64::NAN,
             steady: false,
             gain: Gain { processes: vec![(0.0, 0.0); states], inverse: 0.0, variance: 0.0 },
@@ -100,7 +116,7 @@ impl<'a> Filter<'a> {
     }
 
     pub fn states(&self) -> usize {
-        self.moves.len()
+        self.kept.len()
     }
 
     /// Goes on by a row, to the next one `step_s` later; whether the gain is another one than that of the row
@@ -114,13 +130,15 @@ impl<'a> Filter<'a> {
             self.move_by(step_s);
         }
         let states = self.states();
-        let sums: Vec<f64> =
-            self.covariance.chunks_exact(states.max(1)).map(|row| row.iter().sum()).collect();
+        for (sum, row) in self.sums.iter_mut().zip(self.covariance.chunks_exact(states.max(1))) {
+            *sum = row.iter().sum();
+        }
         // Never below the white part, whatever is rounded.
-        let variance = sums.iter().sum::<f64>().max(0.0) + self.white;
+        let variance = self.sums.iter().sum::<f64>().max(0.0) + self.white;
+        let inverse = 1.0 / variance;
         let (mut largest, mut change) = (0f64, 0f64);
-        for ((gain, (kept, _)), sum) in self.gain.processes.iter_mut().zip(&self.moves).zip(&sums) {
-            let new = kept * sum / variance;
+        for ((gain, kept), sum) in self.gain.processes.iter_mut().zip(&self.kept).zip(&self.sums) {
+            let new = kept * sum * inverse;
             largest = largest.max(new.abs());
             change = change.max((new - gain.1).abs());
             *gain = (*kept, new);
@@ -128,29 +146,28 @@ impl<'a> Filter<'a> {
         let settled = (variance - self.gain.variance).abs() <= STEADY * variance;
         self.steady = same && settled && change <= STEADY * largest;
         self.gain.variance = variance;
-        self.gain.inverse = 1.0 / variance.sqrt();
-        for i in 0..states {
-            let (kept, share) = (self.moves[i].0, sums[i] / variance);
-            for (j, (sum, (other, _))) in sums.iter().zip(&self.moves).enumerate().take(i + 1) {
-                let value = kept * other * (self.covariance[i * states + j] - share * sum);
-                self.covariance[i * states + j] = value;
-                self.covariance[j * states + i] = value;
+        self.gain.inverse = inverse.sqrt();
+        for (i, row) in self.covariance.chunks_exact_mut(states.max(1)).enumerate() {
+            let (own, sum) = (self.kept[i], self.sums[i]);
+            for ((value, kept), other) in row.iter_mut().zip(&self.kept).zip(&self.sums) {
+                *value = own * kept * (*value - sum * other * inverse);
             }
-            self.covariance[i * (states + 1)] += self.moves[i].1;
+            row[i] += self.added[i];
         }
         true
     }
 
     fn move_by(&mut self, step_s: f64) {
         self.step_s = step_s;
-        for (to, process) in self.moves.iter_mut().zip(self.processes) {
+        let room = self.kept.iter_mut().zip(&mut self.added);
+        for ((kept, added), process) in room.zip(self.processes) {
             let product = process.rate_per_s * step_s;
-            *to = ((-product).exp(), -process.variance_nt2 * (-2.0 * product).exp_m1());
+            (*kept, *added) = ((-product).exp(), -process.variance_nt2 * (-2.0 * product).exp_m1());
         }
         if self.walk > 0.0
-            && let Some(last) = self.moves.last_mut()
+            && let Some(last) = self.added.last_mut()
         {
-            *last = (1.0, self.walk * step_s);
+            *last = self.walk * step_s;
         }
     }
 }

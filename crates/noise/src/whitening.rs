@@ -1,4 +1,5 @@
 use std::f64::consts::PI;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use common::Noise;
@@ -39,7 +40,7 @@ pub struct Whitening {
     white: f64,
     level: Option<Level>,
     /// What the filter does to each row, block by block, once it is known.
-    gains: Arc<OnceLock<Vec<Gains>>>,
+    gains: Arc<OnceLock<Option<Vec<Gains>>>>,
 }
 
 impl Whitening {
@@ -229,20 +230,11 @@ impl Whitening {
             Some(level) => columns.iter_mut().map(|column| level.known(column.as_mut())).collect(),
             None => Vec::new(),
         };
-        let mut filter = Filter::new(&self.processes, self.walk, self.white);
         let groups = columns.len().div_ceil(LANES);
-        let mut states: Vec<States> = (0..groups).map(|_| States::new(filter.states())).collect();
-        let mut some = Gains::default();
+        let count = self.filter().states();
+        let mut states: Vec<States> = (0..groups).map(|_| States::new(count)).collect();
         let mut readings = [[0.0; LANES]; ROWS];
-        for (block, from) in (0..self.rows).step_by(ROWS).enumerate() {
-            let to = (from + ROWS).min(self.rows);
-            let gains = match self.gains() {
-                Some(all) => &all[block],
-                None => {
-                    some.next(&mut filter, (from..to).map(|row| self.step(row)));
-                    &some
-                }
-            };
+        self.by_blocks(|Range { start: from, end: to }, gains| {
             for (group, states) in columns.chunks_mut(LANES).zip(&mut states) {
                 states.zero &= group
                     .iter_mut()
@@ -264,7 +256,7 @@ impl Whitening {
                     }
                 }
             }
-        }
+        });
         if let Some(level) = &self.level {
             columns.iter_mut().zip(known).for_each(|(column, known)| level.add(known, column.as_mut()));
         }
@@ -277,12 +269,15 @@ impl Whitening {
         if self.is_white() {
             return series.iter().map(|value| value / self.white.sqrt()).collect();
         }
-        let mut computed = Vec::new();
-        let gains = self.gains().unwrap_or_else(|| {
-            computed = self.all_gains();
-            &computed
-        });
-        let mut states = vec![0.0; Filter::new(&self.processes, self.walk, self.white).states()];
+        let computed;
+        let gains = match self.gains() {
+            Some(gains) => gains,
+            None => {
+                computed = self.computed(usize::MAX).unwrap_or_default();
+                &computed
+            }
+        };
+        let mut states = vec![0.0; self.filter().states()];
         let mut all = vec![0.0; self.rows];
         for row in (0..self.rows).rev() {
             let gain = gains[row / ROWS].of(row % ROWS);
@@ -342,21 +337,50 @@ impl Whitening {
         all
     }
 
-    /// The gains of all rows, where there is room to keep them from one column to the next.
-    fn gains(&self) -> Option<&[Gains]> {
-        let numbers = self.rows * (2 * self.processes.len() + 4);
-        (numbers <= KEPT).then(|| self.gains.get_or_init(|| self.all_gains())).map(Vec::as_slice)
+    fn filter(&self) -> Filter<'_> {
+        Filter::new(&self.processes, self.walk, self.white)
     }
 
-    fn all_gains(&self) -> Vec<Gains> {
-        let mut filter = Filter::new(&self.processes, self.walk, self.white);
-        let block = |from: usize| {
+    /// Goes through the rows in blocks, with the gains of each.
+    fn by_blocks(&self, mut each: impl FnMut(Range<usize>, &Gains)) {
+        let kept = self.gains();
+        let mut filter = self.filter();
+        let mut some = Gains::default();
+        for (block, from) in (0..self.rows).step_by(ROWS).enumerate() {
+            let rows = from..(from + ROWS).min(self.rows);
+            match kept {
+                Some(all) => each(rows, &all[block]),
+                None => {
+                    some.next(&mut filter, rows.clone().map(|row| self.step(row)));
+                    each(rows, &some);
+                }
+            }
+        }
+    }
+
+    /// The gains of all rows, where there is room to keep them from one column to the next: where steps are equal,
+    /// most rows share one.
+    fn gains(&self) -> Option<&[Gains]> {
+        self.gains.get_or_init(|| self.computed(KEPT)).as_deref()
+    }
+
+    /// The gains of all rows; none where they are more numbers than `most`.
+    fn computed(&self, most: usize) -> Option<Vec<Gains>> {
+        let mut filter = self.filter();
+        let of_one = 2 * filter.states() + 2;
+        let (mut all, mut numbers) = (Vec::new(), 0);
+        for from in (0..self.rows).step_by(ROWS) {
             let mut gains = Gains::default();
             let rows = from..(from + ROWS).min(self.rows);
+            numbers += rows.len();
             gains.next(&mut filter, rows.map(|row| self.step(row)));
-            gains
-        };
-        (0..self.rows).step_by(ROWS).map(block).collect()
+            numbers += gains.distinct() * of_one;
+            if numbers > most {
+                return None;
+            }
+            all.push(gains);
+        }
+        Some(all)
     }
 
     /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations
@@ -365,15 +389,9 @@ impl Whitening {
         if self.is_white() {
             return self.rows as f64 * self.white.ln();
         }
-        let mut filter = Filter::new(&self.processes, self.walk, self.white);
-        let mut logarithm = 0.0;
-        let rows = (0..self.rows).map(|row| {
-            if filter.row(self.step(row)) {
-                logarithm = filter.gain.variance.ln();
-            }
-            logarithm
-        });
-        rows.sum::<f64>() - self.level.as_ref().map_or(0.0, Level::log_determinant)
+        let mut sum = 0.0;
+        self.by_blocks(|_, gains| sum += gains.log_variance());
+        sum - self.level.as_ref().map_or(0.0, Level::log_determinant)
     }
 
     /// What a departure of 1 nT in the middle row alone is whitened to, from its row on (1/nT).
