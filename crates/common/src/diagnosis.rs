@@ -307,23 +307,10 @@ pub struct Residual {
     pub by_recording: Vec<ResidualOf>,
     /// What plain regressions on the same columns predict of the same readings.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub plain: Vec<PlainRegression>,
+    pub plain: Vec<crate::PlainRegression>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
-}
-
-/// A regression that a careful person would try.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
-#[serde(default)]
-pub struct PlainRegression {
-    /// How its terms are chosen.
-    pub name: String,
-    /// Rms of readings that were left out, nT.
-    pub held_out_nt: f64,
-    /// Its terms.
-    pub terms: Vec<String>,
 }
 
 impl Residual {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::ABSURD;
-use crate::{AllanDeviation, Extra, Matrix3x3, PerAxis, Quantity, ResidualSeries};
+use crate::{AllanDeviation, Extra, HeldOutPrediction, Matrix3x3, PerAxis, Quantity, ResidualSeries};
 
 mod clock;
 mod contribution;
@@ -95,6 +95,9 @@ pub struct DifferentialFit {
     /// The answer in one sentence, with its size and what it does to the difference.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub answer: String,
+    /// How well held-out readings are predicted; absent where nothing was recorded beside the instruments.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub held_out: Option<HeldOutPrediction>,
     /// What adds to the difference, the largest first; absent where only statistics of the series are left.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub contributions: Vec<Contribution>,

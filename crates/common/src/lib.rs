@@ -39,6 +39,7 @@ mod model;
 mod nulling;
 pub mod number;
 mod parse;
+mod plain;
 mod quantity;
 pub mod range;
 mod recording;
@@ -72,8 +73,7 @@ pub use coil::{
 pub use column::Column;
 pub use diagnosis::{
     BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment, ExplainedEffect, ListedEffect,
-    MovedConstant, PlainRegression, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share,
-    UnnamedStructure, Verdict,
+    MovedConstant, Remaining, Residual, ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, ClockJump, ClockSegment, Contribution, ContributionCause,
@@ -96,6 +96,7 @@ pub use nulling::{
     ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
 };
 pub use parse::{FORMAT_VERSION, Versioned, at_path, line_of, parse};
+pub use plain::{HeldOutPrediction, PlainRegression};
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Dropped, Recording, Theodolite, TheodoliteAngle, procedure};
 pub use scalar::{

@@ -1,16 +1,13 @@
 //! The accepted effects in the document's model, and the calibration that goes with them.
 
-use common::{
-    AdoptedEffect, AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity, Uncertainty,
-};
+use common::{AdoptedEffect, AxesCalibration, AxesDirections, Document, Quantity, Uncertainty};
 use indexmap::IndexMap;
-use nalgebra::Matrix3;
 use physics::{Acts, Parameter, Role, Unit, frames};
 
 use crate::fit::Fit;
 use crate::joint;
 use crate::level::Rest;
-use crate::model::{Instrument, Model, Unknown};
+use crate::model::{Model, Unknown};
 
 use crate::{Error, Outcome};
 
@@ -90,15 +87,13 @@ fn moved(old: Option<&Quantity>, value: f64) -> Quantity {
 fn constants(document: &mut Document, model: &Model<'_>, fit: &Fit) {
     let state = &fit.state;
     let mut turned = [false; 2];
-    let mut pair = false;
     let calibration = document.calibration.get_or_insert_default();
     for (unknown, shift) in model.unknowns.iter().zip(&state.base) {
         if *shift == 0.0 {
             continue;
         }
         match unknown {
-            Unknown::Chain(_, Instrument::Pair) => pair = true,
-            Unknown::Chain(parameter, Instrument::Read(unit)) => match parameter {
+            Unknown::Chain(parameter, unit) => match parameter {
                 Parameter::Sensitivity(axis) => {
                     let known = basic(model, *unit).map(|basic| basic.sensors[axis.index()].sensitivity);
                     let sensor =
@@ -145,47 +140,28 @@ fn constants(document: &mut Document, model: &Model<'_>, fit: &Fit) {
             Unknown::Level(_) | Unknown::Turn { .. } => {}
         }
     }
-    let fitted = (0..model.observed.runs.len()).find(|run| !model.observed.runs[*run].differential());
-    if let Some(run) = fitted {
-        let (basic, _) = model.setting(state, run);
-        let axes: &mut AxesCalibration = calibration.axes.get_or_insert_default();
-        for (turned, place, matrix) in
-            [(turned[0], &mut axes.sensors, basic.mu), (turned[1], &mut axes.coils, basic.eta)]
-        {
-            if turned {
-                // What else was stated of the old ones is not of these; keys that this version does not know
-                // stay.
-                let extra = place.take().unwrap_or_default().extra;
-                *place = Some(AxesDirections {
-                    matrix: Some(frames::rows(&matrix)),
-                    extra,
-                    ..AxesDirections::default()
-                });
-            }
-        }
-        if axes == &AxesCalibration::default() {
-            calibration.axes = None;
+    let (basic, _) = model.setting(state, 0);
+    let axes: &mut AxesCalibration = calibration.axes.get_or_insert_default();
+    for (turned, place, matrix) in
+        [(turned[0], &mut axes.sensors, basic.mu), (turned[1], &mut axes.coils, basic.eta)]
+    {
+        if turned {
+            // What else was stated of the old ones is not of these; keys that this version does not know stay.
+            let extra = place.take().unwrap_or_default().extra;
+            *place = Some(AxesDirections {
+                matrix: Some(frames::rows(&matrix)),
+                extra,
+                ..AxesDirections::default()
+            });
         }
     }
-    let differential = (0..model.observed.runs.len()).find(|run| model.observed.runs[*run].differential());
-    if let Some(run) = differential.filter(|_| pair) {
-        let (basic, _) = model.setting(state, run);
-        let found = calibration.differential.get_or_insert_default();
-        let k = basic.sensors.map(|sensor| sensor.sensitivity);
-        found.matrix = Some(frames::rows(&Matrix3::from_fn(|i, j| basic.mu[(i, j)] / k[j])));
-        let old = found.offset_nt.take();
-        let offset = |axis: Axis| {
-            let old = old.as_ref().and_then(|old| old.get(axis));
-            (axis, moved(old, -basic.sensors[axis.index()].offset_nt / k[axis.index()]))
-        };
-        let offsets = Axis::ALL.map(offset).into_iter().collect::<PerAxis<Quantity>>();
-        let extra = old.as_ref().map(|old| old.extra.clone()).unwrap_or_default();
-        found.offset_nt = Some(PerAxis { extra, ..offsets });
+    if axes == &AxesCalibration::default() {
+        calibration.axes = None;
     }
 }
 
 /// The chain of the readings in a unit, as it came.
 fn basic<'m>(model: &'m Model<'_>, unit: Unit) -> Option<&'m physics::Basic> {
-    let mut runs = model.observed.runs.iter().filter(|run| !run.differential());
+    let mut runs = model.observed.runs.iter();
     runs.find(|run| run.setting.context.unit == unit).map(|run| &run.setting.basic)
 }

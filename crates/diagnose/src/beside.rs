@@ -7,8 +7,8 @@ mod pair;
 mod stated;
 
 use common::{
-    AdoptedEffect, Axis, Diagnosis, Document, PlainRegression, Quantity, Remaining, Residual, ResidualOf,
-    ResidualSeries, Share, Verdict, procedure,
+    AdoptedEffect, Axis, Diagnosis, Document, Quantity, Remaining, Residual, ResidualOf, ResidualSeries,
+    Share, Verdict,
 };
 use estimate::grouped::{Grouped, grouped};
 use explain::{Cause, Covariate, Explained};
@@ -16,13 +16,10 @@ use joined::Pair;
 use paired::{Clock, Explanation};
 use physics::Kind;
 
-use crate::{Error, Options};
+use crate::{Error, Options, against, plain};
 
 /// A name has at least this probability.
 const NAMED: f64 = 0.9;
-/// Held-out readings that are predicted worse than this by the names, beside the best plain regression, have
-/// something left in them.
-const WORSE: f64 = 1.05;
 /// Most points of a series.
 const POINTS: usize = 160;
 
@@ -55,28 +52,31 @@ struct Compared {
     main_field: Option<(bool, f64, [Quantity; 3])>,
 }
 
-/// Diagnoses a document whose recordings all stand beside another instrument; whether it is one.
-pub fn diagnose(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> Result<bool, Error> {
-    let all = |of: &dyn Fn(&common::Recording) -> bool| {
-        !document.recordings.is_empty() && document.recordings.iter().all(of)
+/// Of the instruments side by side: what the one reads beside the other, or beside a simulation.
+pub fn pairs(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> Result<Diagnosis, Error> {
+    let compared = match &options.against {
+        Some(simulated) => pair::compared(&against::pairs(document, simulated)?, told)?,
+        None => pair::compared(document, told)?,
     };
+    compared.adopt(document);
+    Ok(compared.diagnosis())
+}
+
+/// Of sensors whose field hardly turns beside a scalar magnetometer; None for other documents.
+pub fn magnitude(
+    document: &mut Document,
+    options: &Options,
+    told: &dyn Fn(&str),
+) -> Result<Option<Diagnosis>, Error> {
     if options.against.is_some() {
-        return Ok(false);
+        return Ok(None);
     }
-    let compared = if all(&|recording| recording.procedure == procedure::DIFFERENTIAL) {
-        pair::compared(document, told)?
-    } else {
-        match magnitude::compared(document, told)? {
-            Some(compared) => compared,
-            None => return Ok(false),
-        }
-    };
+    let Some(compared) = magnitude::compared(document, told)? else { return Ok(None) };
     if let Some((volts, scale, added)) = compared.main_field.as_ref().filter(|_| options.refit) {
         joined::state_main_field(document, *volts, *scale, added);
     }
     compared.adopt(document);
-    document.diagnosis = Some(vec![compared.diagnosis()]);
-    Ok(true)
+    Ok(Some(compared.diagnosis()))
 }
 
 /// What was recorded beside.
@@ -145,8 +145,8 @@ impl Compared {
     fn diagnosis(self) -> Diagnosis {
         let effects = effects::effects(&self);
         let ambiguity = self.ambiguity();
-        let verdict = self.verdict(&ambiguity, effects.is_empty());
         let fit = self.fit();
+        let verdict = verdict(&fit, &ambiguity, effects.is_empty());
         let mut diagnosis = Diagnosis {
             verdict,
             recordings: self.recordings.clone(),
@@ -166,11 +166,8 @@ impl Compared {
 
     /// The name of a cause.
     fn name(&self, cause: Cause) -> String {
-        match cause {
-            Cause::Covariate(number) => self.covariates[number].clone(),
-            Cause::Time => "time".into(),
-            Cause::Clock => "clock".into(),
-        }
+        let covariates: Vec<&str> = self.covariates.iter().map(String::as_str).collect();
+        paired::named(cause, &covariates)
     }
 
     /// Sets of names that explain as well, where no single one is sure.
@@ -191,29 +188,10 @@ impl Compared {
         if sets.len() > 1 { sets } else { Vec::new() }
     }
 
-    fn verdict(&self, ambiguity: &[Vec<String>], nothing: bool) -> Verdict {
-        let held = &self.explained.held_out;
-        let best = held.rivals.iter().map(|plain| rms(&plain.rms)).fold(f64::INFINITY, f64::min);
-        if !ambiguity.is_empty() {
-            Verdict::Ambiguous
-        } else if nothing {
-            Verdict::Agrees
-        } else if rms(&held.named) > WORSE * best {
-            Verdict::PartlyExplained
-        } else {
-            Verdict::Explained
-        }
-    }
-
     fn fit(&self) -> Residual {
         let explained = &self.explained;
         let whole = |of: &[Vec<f64>]| rms(&of.iter().map(|channel| rms(channel)).collect::<Vec<_>>());
         let held = &explained.held_out;
-        let plain = held.rivals.iter().map(|plain| PlainRegression {
-            name: plain.name.into(),
-            held_out_nt: rms(&plain.rms),
-            terms: plain.terms.iter().map(|term| self.form(explained.offered[*term])).collect(),
-        });
         let of = |(channel, (column, _)): (usize, &(String, Option<Axis>))| ResidualOf {
             recording: self.recordings.join(", "),
             column: column.clone(),
@@ -235,15 +213,9 @@ impl Compared {
             noise_floor_nt: whole(&explained.residual),
             noise_source: "residuals".into(),
             by_recording: self.channels.iter().enumerate().map(of).collect(),
-            plain: plain.collect(),
+            plain: paired::regressions(explained, &|cause| self.name(cause)),
             ..Residual::default()
         }
-    }
-
-    /// A cause and its form in a few words.
-    fn form(&self, (cause, form): (Cause, explain::Form)) -> String {
-        let bent = if form.bent { ", squared" } else { "" };
-        format!("{}{}{bent}", self.name(cause), answer::lateness(&form))
     }
 
     fn places(&self, effects: &[common::ExplainedEffect]) -> Vec<Share> {
@@ -311,18 +283,7 @@ impl Compared {
     }
 
     fn reasons(&self, fit: &Residual) -> Vec<String> {
-        let mut reasons: Vec<String> = Vec::new();
-        for plain in &fit.plain {
-            let better = fit.held_out_after_nt > WORSE * plain.held_out_nt;
-            let terms = if plain.terms.is_empty() { "no term".into() } else { plain.terms.join(", ") };
-            reasons.push(format!(
-                "{}{} with {terms} leaves {} nT of held-out readings, the names {} nT",
-                if better { "note: " } else { "" },
-                plain.name,
-                common::number::significant(plain.held_out_nt, 4),
-                common::number::significant(fit.held_out_after_nt, 4)
-            ));
-        }
+        let mut reasons = plain::reasons(fit);
         let named: Vec<Cause> = self.explained.causes.iter().map(|one| one.cause).collect();
         for rival in
             self.explained.rivals.iter().filter(|rival| rival.causes.len() == named.len() + 1).take(3)
@@ -350,5 +311,17 @@ impl Compared {
             _ => return None,
         };
         Some(text.into())
+    }
+}
+
+fn verdict(fit: &Residual, ambiguity: &[Vec<String>], nothing: bool) -> Verdict {
+    if !ambiguity.is_empty() {
+        Verdict::Ambiguous
+    } else if nothing {
+        Verdict::Agrees
+    } else if plain::better(fit).is_some() {
+        Verdict::PartlyExplained
+    } else {
+        Verdict::Explained
     }
 }

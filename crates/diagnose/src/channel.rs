@@ -77,9 +77,4 @@ impl Run<'_> {
         [procedure::SENSOR_NOISE, procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT]
             .contains(&self.recording.procedure.as_str())
     }
-
-    /// Whether two magnetometers were compared.
-    pub fn differential(&self) -> bool {
-        self.setting.context.reference_nt.is_some()
-    }
 }

@@ -25,8 +25,7 @@ use crate::algebra::inverse;
 use crate::fit::Fit;
 use crate::lattice;
 use crate::level::Rest;
-use crate::model::{Instrument, Model, Unknown};
-use crate::reach;
+use crate::model::{Model, Unknown};
 pub use stated::state;
 
 /// An unknown shows where a fit meets all of its error but this share.
@@ -123,12 +122,11 @@ fn places(
     (joint, known): (&Uncertainty, usize),
     unknown: &dyn Fn(usize) -> bool,
 ) -> Vec<Place> {
-    let held = reach::undetermined(model, fit);
     let stated = Stated { document, model, joint };
     let mut places = stated.constants();
-    // What stays where the document has it, or within what was known of it, has the uncertainty that it had.
+    // What stays where the document has it has the uncertainty that it had.
     let stays = |place: &Place| {
-        let of = |k: usize| fit.state.base.get(k) == Some(&0.0) || held.contains(&k) || unknown(k);
+        let of = |k: usize| fit.state.base.get(k) == Some(&0.0) || unknown(k);
         place.row.iter().any(|(k, _)| of(*k))
     };
     places.iter_mut().filter(|place| stays(place)).for_each(|place| place.row.clear());
@@ -176,7 +174,7 @@ impl Stated<'_, '_> {
 
     /// An unknown of the chain of the readings, by its unit.
     fn chain(&self, parameter: Parameter) -> Option<usize> {
-        let of = |own: &Unknown| matches!(own, Unknown::Chain(own, Instrument::Read(_)) if *own == parameter);
+        let of = |own: &Unknown| matches!(own, Unknown::Chain(own, _) if *own == parameter);
         self.model.unknowns.iter().position(of)
     }
 
@@ -186,7 +184,7 @@ impl Stated<'_, '_> {
     fn constants(&self) -> Vec<Place> {
         let fields = Axis::ALL.map(|axis| self.unknown(Unknown::Field(axis)));
         let is_sum = |axis: Axis| self.joint.std(&uncertainty::residual_field(axis)) > 0.0;
-        let run = self.model.observed.runs.iter().find(|run| !run.differential());
+        let run = self.model.observed.runs.first();
         let along = |component: Axis, coil: Axis| {
             run.map_or(0.0, |run| run.setting.basic.eta[(component.index(), coil.index())])
         };
@@ -200,16 +198,16 @@ impl Stated<'_, '_> {
         let mut places = Vec::new();
         for (k, unknown) in self.model.unknowns.iter().enumerate() {
             match unknown {
-                Unknown::Chain(Parameter::Sensitivity(axis), Instrument::Read(unit)) => {
+                Unknown::Chain(Parameter::Sensitivity(axis), unit) => {
                     places.push(place(uncertainty::sensitivity(*axis, unit.suffix()), k));
                 }
-                Unknown::Chain(Parameter::SensorOffset(axis), Instrument::Read(_)) => {
+                Unknown::Chain(Parameter::SensorOffset(axis), _) => {
                     places.push(place(offset(self.document, *axis), k));
                 }
-                Unknown::Chain(Parameter::CoilConstant(axis), Instrument::Read(_)) => {
+                Unknown::Chain(Parameter::CoilConstant(axis), _) => {
                     places.push(place(uncertainty::coil_constant(*axis), k));
                 }
-                Unknown::Chain(Parameter::CoilOffset(axis), Instrument::Read(_)) => {
+                Unknown::Chain(Parameter::CoilOffset(axis), _) => {
                     let mut place = place(uncertainty::coil_offset(*axis), k);
                     for component in Axis::ALL.into_iter().filter(|component| is_sum(*component)) {
                         let field = fields[component.index()];
@@ -235,7 +233,7 @@ impl Stated<'_, '_> {
     /// The nine cosines of the sensors, or of the coils, by their turns. A turn that the fit leaves out is an
     /// unknown behind all others, which nothing moves.
     fn directions(&self, fit: &Fit, coils: bool) -> Vec<Place> {
-        let run = self.model.observed.runs.iter().find(|run| !run.differential());
+        let run = self.model.observed.runs.first();
         let Some(basic) = run.map(|run| &run.setting.basic) else { return Vec::new() };
         let (matrix, paths) = match coils {
             true => (&basic.eta, uncertainty::directions("coils")),
@@ -276,9 +274,7 @@ impl Stated<'_, '_> {
     /// sensitivity.
     fn codes(&self, fit: &Fit, codes: &EffectInstance, adopted: &AdoptedEffect) -> Option<Place> {
         let (axis, width) = (codes.axis?, *codes.parameters.first()?);
-        let run =
-            (0..self.model.observed.runs.len()).find(|run| !self.model.observed.runs[*run].differential())?;
-        let (basic, _) = self.model.setting(&fit.state, run);
+        let (basic, _) = self.model.setting(&fit.state, 0);
         let sensitivity = basic.sensors[axis.index()].sensitivity;
         let unknown = self.chain(Parameter::Sensitivity(axis));
         Some(Place {

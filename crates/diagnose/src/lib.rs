@@ -56,6 +56,7 @@ mod held_out;
 mod joint;
 mod lattice;
 mod level;
+mod linear;
 mod lines;
 mod magnitude;
 mod model;
@@ -63,9 +64,9 @@ mod moments;
 mod moved;
 mod next;
 mod observed;
+mod plain;
 mod products;
 mod proposal;
-mod reach;
 mod report;
 mod search;
 mod sets;
@@ -84,12 +85,12 @@ pub use common::Error;
 pub use dictionary::{Dictionary, Form, Group, Readings, dictionary};
 pub use words::summary;
 
-use common::{Diagnosis, Document, Quantity, Verdict};
+use common::{Diagnosis, Document, Quantity, Recording, Verdict, procedure};
 use indexmap::IndexMap;
 use physics::{Kind, References};
 
 use crate::candidates::Pool;
-use crate::fit::{Fit, Fitter};
+use crate::fit::{Fit, Fitter, settled};
 use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
@@ -217,11 +218,35 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
             options.level
         )));
     }
-    if beside::diagnose(&mut document, options, told)? {
-        return Ok(document);
+    let pair = |recording: &Recording| recording.procedure == procedure::DIFFERENTIAL;
+    let pairs = document.recordings.iter().filter(|recording| pair(recording)).count();
+    let alone = pairs > 0 && pairs == document.recordings.len();
+    let mut entries = Vec::new();
+    let mut notes = Vec::new();
+    if pairs > 0 {
+        match beside::pairs(&mut document, options, told) {
+            Ok(entry) => entries.push(entry),
+            Err(error) if alone => return Err(error),
+            Err(error) => {
+                notes.push(format!("note: nothing is said of the instruments side by side: {error}"))
+            }
+        }
     }
+    if !alone {
+        let entry = match beside::magnitude(&mut document, options, told)? {
+            Some(entry) => entry,
+            None => campaign(&mut document, options, told)?,
+        };
+        entries.push(Diagnosis { reasons: [entry.reasons, notes].concat(), ..entry });
+    }
+    document.diagnosis = Some(entries);
+    Ok(document)
+}
+
+/// All recordings but those of instruments side by side, against the model.
+fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> Result<Diagnosis, Error> {
     let original = match &options.against {
-        Some(simulated) => against::against(&document, simulated)?,
+        Some(simulated) => against::against(document, simulated)?,
         None => document.clone(),
     };
     let gathered = joined::gathered(&original)?;
@@ -229,10 +254,11 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let original = gathered.map_or(original, |gathered| gathered.document);
     let mut observed = Observed::of(&original)?;
     observed.notes.splice(0..0, notes);
-    let (mut model, start) = Model::of(&original, observed)?;
+    let (model, start) = Model::of(&original, observed)?;
     let before = model.residual(&start)?;
     told("refitting the calibration");
-    let (base, base_noise) = reach::within(&original, &mut model, &start)?;
+    let (base, base_noise) = settled(&original, &model, &start)?;
+    let notes = linear::worse(&model, &start, (&base, &base_noise))?;
     let pool = Pool::of(&model, &base.state, &options.without)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
@@ -259,6 +285,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         }
     }
     told("writing the answer");
+    outcome.notes.extend(notes);
     stands::standing(&original, &model, &start, &mut outcome)?;
     let moved = moved::moved(&original, &model, &outcome, options.level);
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
@@ -266,8 +293,8 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     }
     outcome.parameters = report::quantities(&model, &outcome);
     if matches!(outcome.verdict, Verdict::Explained | Verdict::PartlyExplained) {
-        outcome.parameters = adopt::adopt(&mut document, &model, &outcome)?;
-        physics::state_references(&mut document, &References::of(&original));
+        outcome.parameters = adopt::adopt(document, &model, &outcome)?;
+        physics::state_references(document, &References::of(&original));
     } else if options.refit {
         // Beside names that are open, without any of them.
         let (fit, look) = if outcome.found.is_empty() {
@@ -275,11 +302,9 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         } else {
             (&outcome.base, &outcome.first)
         };
-        adopt::calibration(&mut document, &model, (fit, &look.rest))?;
+        adopt::calibration(document, &model, (fit, &look.rest))?;
     }
     let entry = report::report(&original, &model, &mut searcher, &outcome, options)?;
     let entry = Diagnosis { calibration_moved: moved, ..entry };
-    let entry = Diagnosis { answer: words::answer(&entry), ..entry };
-    document.diagnosis = Some(vec![entry]);
-    Ok(document)
+    Ok(Diagnosis { answer: words::answer(&entry), ..entry })
 }

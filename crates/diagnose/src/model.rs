@@ -12,10 +12,10 @@ mod unknown;
 
 pub use known::stated_std;
 pub use state::{Column, Follows, Model, State};
-pub use unknown::{Instrument, Unknown};
+pub use unknown::Unknown;
 
 use common::{Axis, Document};
-use physics::{Parameter, frames};
+use physics::{Parameter, Unit, frames};
 
 use crate::Error;
 use crate::observed::Observed;
@@ -26,7 +26,7 @@ impl<'a> Model<'a> {
     pub fn of(document: &'a Document, observed: Observed<'a>) -> Result<(Self, State), Error> {
         let settings = settings(&observed);
         let (unknowns, priors) = possible(document, &observed, &settings).into_iter().unzip();
-        let mut model = Self { observed, unknowns, priors, centres: Vec::new(), settings };
+        let mut model = Self { observed, unknowns, priors, settings };
         let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
         let mut state = State {
             base: vec![0.0; model.unknowns.len()],
@@ -46,7 +46,6 @@ impl<'a> Model<'a> {
         model.unknowns = felt.iter().map(|k| model.unknowns[*k]).collect();
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();
         state.base = vec![0.0; felt.len()];
-        model.centres = vec![0.0; felt.len()];
         let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
         for k in undetermined(&columns)? {
             if matches!(model.unknowns[k], Unknown::Chain(Parameter::SensorOffset(_), _)) {
@@ -59,8 +58,8 @@ impl<'a> Model<'a> {
     /// Takes three turns of sensors out of the unknowns, so that no turn of all sensors together is left
     /// among them, which magnitudes alone do not show: both of x, and that of y which goes more about x.
     fn without_common_turn(&self, felt: &mut Vec<usize>) {
-        let about_x = |instrument: Instrument| {
-            let run = (0..self.observed.runs.len()).find(|run| self.instrument(*run) == instrument)?;
+        let about_x = |unit: Unit| {
+            let run = (0..self.observed.runs.len()).find(|run| self.unit(*run) == unit)?;
             let mu = &self.observed.runs[run].setting.basic.mu;
             let moved = mu.column(0).cross(&mu.column(1));
             let [first, second] =
@@ -69,9 +68,7 @@ impl<'a> Model<'a> {
         };
         felt.retain(|unknown| match self.unknowns[*unknown] {
             Unknown::Chain(Parameter::SensorTurn(Axis::X, _), _) => false,
-            Unknown::Chain(Parameter::SensorTurn(Axis::Y, turn), instrument) => {
-                about_x(instrument) != Some(turn)
-            }
+            Unknown::Chain(Parameter::SensorTurn(Axis::Y, turn), unit) => about_x(unit) != Some(turn),
             _ => true,
         });
     }

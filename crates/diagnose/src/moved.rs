@@ -7,8 +7,7 @@ use physics::Parameter;
 
 use crate::Outcome;
 use crate::level::at_least_one;
-use crate::model::{Instrument, Model, Unknown, stated_std};
-use crate::reach;
+use crate::model::{Model, Unknown, stated_std};
 
 /// Share of a constant's precision that keeps directions which nothing determines in their place.
 const RIDGE: f64 = 1e-12;
@@ -21,27 +20,14 @@ const AS_GOOD: f64 = 6.0;
 /// Shifts of all constants that the final fit determines.
 pub fn shifts(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
     let scale = outcome.last.rest.scale();
-    let held = reach::undetermined(model, &outcome.fit);
     let of = |(k, (unknown, shift)): (usize, (&Unknown, &f64))| {
         let variance = outcome.fit.covariance[(k, k)];
-        (*shift != 0.0 && variance.is_finite() && !held.contains(&k)).then(|| BaseShift {
+        (*shift != 0.0 && variance.is_finite()).then(|| BaseShift {
             parameter: name(model, unknown),
             shift: Quantity::new(*shift, (variance * scale).sqrt()),
         })
     };
     model.unknowns.iter().zip(&outcome.fit.state.base).enumerate().filter_map(of).collect()
-}
-
-/// The constants that recordings of magnitudes do not determine, in words.
-pub fn held(model: &Model<'_>, outcome: &Outcome) -> Option<String> {
-    let held = reach::undetermined(model, &outcome.fit);
-    let names: Vec<String> = held.iter().map(|k| name(model, &model.unknowns[*k])).collect();
-    (!names.is_empty()).then(|| {
-        format!(
-            "not observable from the magnitude alone, constrained by prior knowledge: {}; these changed only through their correlation with the others",
-            names.join(", ")
-        )
-    })
 }
 
 /// The constants that moved farther than the calibration states. Nothing is said beside an answer that leaves
@@ -176,18 +162,15 @@ impl Held {
 /// The name of an unknown, which ends in its unit.
 fn name(model: &Model<'_>, unknown: &Unknown) -> String {
     match unknown {
-        Unknown::Chain(parameter, instrument) => {
-            let test = if *instrument == Instrument::Pair { "test." } else { "" };
-            match parameter {
-                Parameter::Sensitivity(axis) => format!("{test}sensors.{axis}.sensitivity"),
-                Parameter::SensorOffset(axis) => format!("{test}sensors.{axis}.offset_nt"),
-                Parameter::SensorTurn(axis, which) => format!("{test}axes.sensors.{axis}.turn_{which}_rad"),
-                Parameter::CoilConstant(axis) => format!("coils.{axis}.constant_nt_per_a"),
-                Parameter::CoilOffset(axis) => format!("coils.{axis}.offset_nt"),
-                Parameter::CoilTurn(axis, which) => format!("axes.coils.{axis}.turn_{which}_rad"),
-                Parameter::Effect(effect, parameter) => format!("effects[{effect}][{parameter}]"),
-            }
-        }
+        Unknown::Chain(parameter, _) => match parameter {
+            Parameter::Sensitivity(axis) => format!("sensors.{axis}.sensitivity"),
+            Parameter::SensorOffset(axis) => format!("sensors.{axis}.offset_nt"),
+            Parameter::SensorTurn(axis, which) => format!("axes.sensors.{axis}.turn_{which}_rad"),
+            Parameter::CoilConstant(axis) => format!("coils.{axis}.constant_nt_per_a"),
+            Parameter::CoilOffset(axis) => format!("coils.{axis}.offset_nt"),
+            Parameter::CoilTurn(axis, which) => format!("axes.coils.{axis}.turn_{which}_rad"),
+            Parameter::Effect(effect, parameter) => format!("effects[{effect}][{parameter}]"),
+        },
         Unknown::Field(axis) => format!("axes.residual_field_nt.{axis}"),
         Unknown::Level(channel) => {
             let channel = &model.observed.channels[*channel];

@@ -11,8 +11,6 @@ pub enum Site {
     Coils,
     /// In orbit: the Sun is recorded.
     Orbit,
-    /// Beside another vector magnetometer.
-    Pair,
     /// Beside a scalar magnetometer, no coils around.
     Scalar,
     /// By itself in the natural field.
@@ -22,15 +20,13 @@ pub enum Site {
 impl Site {
     /// The site of recordings; of several kinds, the one at which most can be done.
     pub fn of(observed: &Observed<'_>) -> Self {
-        let mut runs = observed.runs.iter();
+        let runs = observed.runs.iter();
         if runs.clone().any(|run| run.setting.context.in_coils) {
             return Site::Coils;
         }
         let sun = |name: &str| runs.clone().any(|run| run.setting.context.optional(name).is_some());
         if SUN.iter().any(|name| sun(name)) {
             Site::Orbit
-        } else if runs.any(|run| run.differential()) {
-            Site::Pair
         } else if observed.channels.iter().any(|channel| channel.reader == Reader::Magnitude) {
             Site::Scalar
         } else {
@@ -76,9 +72,6 @@ impl Site {
             Site::Orbit => {
                 "record another day of orbits with all temperatures and currents in the telemetry: an effect of the orbit recurs with it, a drift does not"
             }
-            Site::Pair => {
-                "record another day of both with a temperature log at each sensor, and take an absolute measurement at its beginning and its end: this shows which of the two drifts"
-            }
             Site::Scalar => {
                 "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the magnitude of the field alone does not show what drifts"
             }
@@ -93,9 +86,6 @@ impl Site {
             Site::Coils => "ramp that temperature up and down at two rates with everything else held",
             Site::Orbit => {
                 "record orbits of another season, with other shadows and loads: that temperature then no longer follows the field"
-            }
-            Site::Pair => {
-                "warm that sensor by some kelvin and let it cool, at two rates, with the other left as it is; at night, when the field is quiet"
             }
             Site::Scalar => {
                 "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet"
@@ -117,10 +107,6 @@ impl Site {
             (Site::Orbit, _) => {
                 "record orbits in which the satellite has another attitude (a roll, a yaw), so that the field lies along each axis in turn"
             }
-            (Site::Pair, _) => {
-                "turn the sensor under test by 90° and 180° and record some hours in each position; where it cannot be turned, record through a \
-                 disturbed day, when the field varies most"
-            }
             (Site::Scalar, _) => {
                 "turn the sensor slowly through all directions beside the scalar magnetometer; where it cannot be turned, record through a disturbed \
                  day, when the field varies most"
@@ -139,7 +125,7 @@ mod tests {
     #[test]
     fn what_follows_a_field_asks_for_other_directions() {
         let across = covariates::across(common::Axis::Y);
-        for site in [Site::Coils, Site::Orbit, Site::Pair, Site::Scalar, Site::Alone] {
+        for site in [Site::Coils, Site::Orbit, Site::Scalar, Site::Alone] {
             for covariate in [across.clone(), format!("the past of {across}")] {
                 assert_eq!(site.unexplained(&covariate), site.of_field(true));
             }
@@ -152,7 +138,7 @@ mod tests {
         let across = covariates::across(common::Axis::Y);
         for covariate in ["time_s", "sensor_temperature_c", &across, ALONG, "load_a"] {
             let words = |site: Site| site.unexplained(covariate);
-            for site in [Site::Orbit, Site::Pair, Site::Scalar, Site::Alone] {
+            for site in [Site::Orbit, Site::Scalar, Site::Alone] {
                 let words = words(site);
                 assert!(
                     !["coil", "drive", "block"].iter().any(|word| words.contains(word)),

@@ -55,12 +55,15 @@ pub struct Observed<'a> {
 }
 
 impl<'a> Observed<'a> {
-    /// Reads a document.
+    /// Reads a document. Two instruments side by side are not among it: `beside` answers of these.
     pub fn of(document: &'a Document) -> Result<Self, Error> {
         let references = References::of(document);
         let mut observed = Observed { runs: Vec::new(), channels: Vec::new(), rows: 0, notes: Vec::new() };
         for (index, recording) in document.recordings.iter().enumerate() {
             let path = format!("recordings[{index}]");
+            if recording.procedure == procedure::DIFFERENTIAL {
+                continue;
+            }
             recording.at_hand(&path)?;
             if [procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL].contains(&recording.procedure.as_str())
             {
@@ -99,13 +102,11 @@ impl<'a> Observed<'a> {
     fn add(&mut self, run: Run<'a>) -> Result<(), Error> {
         let Setting { basic, context } = &run.setting;
         let prediction = physics::predict(basic, &[], context).map_err(|error| error.at(&run.path))?;
-        let (prefix, suffix) =
-            if run.differential() { ("test", "nt") } else { ("sensor", context.unit.suffix()) };
         let mut found: Vec<(Reader, String, f64)> = Axis::ALL
             .into_iter()
             .map(|axis| {
                 let to_nt = basic.sensors[axis.index()].sensitivity;
-                (Reader::Sensor(axis), format!("{prefix}_{axis}_{suffix}"), to_nt)
+                (Reader::Sensor(axis), format!("sensor_{axis}_{}", context.unit.suffix()), to_nt)
             })
             .collect();
         if run.recording.procedure == procedure::COIL_CONSTANT {
@@ -217,9 +218,6 @@ fn check_sensors(document: &Document, setting: &Setting<'_>, path: &str) -> Resu
 }
 
 fn check_coils(setting: &Setting<'_>, path: &str) -> Result<(), Error> {
-    if setting.context.reference_nt.is_some() {
-        return Ok(());
-    }
     for coil in Axis::ALL {
         let driven = setting.context.current_a.iter().any(|current| current[coil.index()].abs() > 0.0);
         if driven && setting.basic.coils[coil.index()].constant_nt_per_a == 0.0 {

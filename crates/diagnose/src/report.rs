@@ -6,6 +6,7 @@ mod energy;
 mod guilty;
 mod places;
 mod residuals;
+mod rivals;
 mod series;
 mod unnamed;
 
@@ -18,7 +19,7 @@ use crate::model::Model;
 use crate::next::Site;
 use crate::search::Searcher;
 use crate::what::{What, named};
-use crate::{Error, NamedEffect, Options, Outcome, experiment, moved};
+use crate::{Error, NamedEffect, Options, Outcome, experiment, moved, plain};
 
 pub use effects::quantities;
 
@@ -105,8 +106,9 @@ pub fn report(
         }
     }
     reasons.extend(model.observed.notes.iter().map(|note| format!("note: {note}")));
-    let notes = outcome.notes.iter().cloned().chain(moved::held(model, outcome));
-    reasons.extend(notes.map(|note| format!("note: {note}")));
+    reasons.extend(outcome.notes.iter().map(|note| format!("note: {note}")));
+    let fit = residuals::fit(searcher, outcome, &fitter)?;
+    reasons.extend(plain::reasons(&fit));
     let guilty = guilty::guilty(model, &places);
     let fields = covariates::fields(model, &outcome.fit.state)?;
     let energy =
@@ -124,7 +126,7 @@ pub fn report(
         effects,
         ambiguity,
         unnamed: unnamed::unnamed(model, outcome, &fields),
-        fit: Some(residuals::fit(model, outcome, &fitter)?),
+        fit: Some(fit),
         energy,
         base_shift: moved::shifts(model, outcome),
         series: series::series(model, outcome, &guilty, &fields),

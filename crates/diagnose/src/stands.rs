@@ -3,8 +3,8 @@
 //! Weights rest on where noise is small. Where two instruments are held against each other, the noise that is
 //! estimated from what is left is small at short periods because the field is, and what weighs most there is
 //! what they do not share: filters, local noise, iron that only one feels. Least squares rest on what is
-//! strong, which is slow, and no weight makes them leave more than came. So where the noise of a pair, or of
-//! a magnitude, is not declared, the weights say what is determined and how well, and least squares say what
+//! strong, which is slow, and no weight makes them leave more than came. So where the noise of a magnitude is not
+//! declared, the weights say what is determined and how well, and least squares say what
 //! the constants are. By how much the two are apart is part of the uncertainty.
 
 use common::Document;
@@ -14,7 +14,7 @@ use physics::{EffectInstance, Role};
 use crate::Error;
 use crate::Outcome;
 use crate::algebra::square;
-use crate::channel::{Channel, Reader};
+use crate::channel::Channel;
 use crate::fit::{Fit, Fitter, settled_white};
 use crate::magnitude;
 use crate::model::{Model, State};
@@ -73,20 +73,14 @@ fn worse_corrected(model: &Model<'_>, outcome: &Outcome) -> bool {
     }
 }
 
-/// Whether a channel is of one instrument against another.
-fn of_two(model: &Model<'_>, channel: &Channel) -> bool {
-    channel.reader == Reader::Magnitude || model.observed.runs[channel.run].differential()
-}
-
-/// The fit by least squares where two instruments are held against each other and their noise is not
-/// declared; else the weighted one.
+/// The fit by least squares where only magnitudes were recorded and their noise is not declared; else the weighted
+/// one.
 fn least(
     document: &Document,
     model: &Model<'_>,
     (weighted, noise): (&Fit, &NoiseModel),
 ) -> Result<Fit, Error> {
-    let compared = model.observed.channels.iter().all(|channel| of_two(model, channel));
-    if noise.known > 0.0 || !compared {
+    if noise.known > 0.0 || !model.only_magnitudes() {
         return Ok(weighted.clone());
     }
     let (plain, _) = settled_white(document, model, &weighted.state)?;

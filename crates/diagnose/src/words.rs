@@ -4,6 +4,8 @@ use common::number::{p_value, probability, signed, significant};
 use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, MovedConstant, Quantity, Verdict};
 use std::fmt::Write;
 
+use crate::plain;
+
 /// Most parameters of an effect, or parts of a list, that are said.
 const PARAMETERS: usize = 12;
 /// Most reasons and rejected names that are said; the others are in the document.
@@ -39,7 +41,7 @@ pub fn answer(entry: &Diagnosis) -> String {
     let falls = format!("the rms falls from {} to {} nT", rms(fit.rms_refitted_nt), rms(fit.rms_after_nt));
     let noise = format!("noise {} nT", rms(fit.noise_floor_nt));
     let with = if entry.effects.len() > 1 { "with these" } else { "with this" };
-    match entry.verdict {
+    let said = match entry.verdict {
         Verdict::Agrees => {
             format!("the model agrees with the recordings to their noise: {refitted}, {noise}")
         }
@@ -63,7 +65,8 @@ pub fn answer(entry: &Diagnosis) -> String {
             let left = entry.remaining.as_ref().map_or("unidentified structure", |left| &left.structure);
             format!("{refitted}, {noise}; no effect explains the residual: {left}")
         }
-    }
+    };
+    said + &plain::in_words(fit)
 }
 
 /// The effects in the catalogue's words, with the sizes of the first, the one that does most.

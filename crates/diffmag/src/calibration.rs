@@ -1,7 +1,8 @@
 //! The matrix and the difference, as a document has them.
 
 use common::{
-    Axis, DifferentialCalibration, DifferentialFit, KeptOut, KeptOutEvent, MatrixElement, PerAxis, Quantity,
+    Axis, DifferentialCalibration, DifferentialFit, HeldOutPrediction, KeptOut, KeptOutEvent, MatrixElement,
+    PerAxis, Quantity,
 };
 
 use crate::difference;
@@ -17,6 +18,7 @@ pub fn calibrate(
     (recorded, raw): (&Pair, &Pair),
     prepared: &Prepared,
     fits: &[AxisFit; 3],
+    held_out: Option<HeldOutPrediction>,
 ) -> Result<DifferentialCalibration, Error> {
     let pair = &prepared.pair;
     let rows = pair.whole.len();
@@ -26,6 +28,7 @@ pub fn calibrate(
         step_s: pair.step_s,
         missing: rows - pair.samples(),
         quoted: words::quoted(),
+        held_out,
         ..DifferentialFit::default()
     };
     let mut matrix = [[0.0; 3]; 3];

@@ -56,14 +56,15 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
     let covariates: Vec<Covariate> =
         joined::beside(&document, &recorded.recordings).into_iter().map(of).collect();
-    let paired::Found { raw, follows, mut prepared, .. } =
-        paired::find(&recorded, covariates.clone(), options.correct_clock, &|_| ())?;
+    let found = paired::find(&recorded, covariates.clone(), options.correct_clock, &|_| ())?;
+    let held_out = found.held_out();
+    let paired::Found { raw, follows, mut prepared, .. } = found;
     let mut fits = regression::fit(&prepared.pair, &follows)?;
     while let Some(fewer) = confirmed::confirmed(&prepared, &raw, &fits)? {
         prepared = fewer;
         fits = regression::fit(&prepared.pair, &follows)?;
     }
-    let mut found = calibration::calibrate((&recorded, &raw), &prepared, &fits)?;
+    let mut found = calibration::calibrate((&recorded, &raw), &prepared, &fits, held_out)?;
     let level = regression::level(&prepared.pair, &fits);
     if let Some(fit) = &mut found.fit {
         fit.stability = stability::of(&level, &fits)?;

@@ -7,7 +7,7 @@ use common::unit;
 use common::{
     Axis, ClockDifference, Contribution, ContributionCause, DifferenceAxis, DifferentialFit, Document, Drift,
     DriftForm, EventInstrument, EventKind, Followed, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
-    OneMatrix,
+    OneMatrix, PlainRegression,
 };
 use std::fmt::Write;
 
@@ -34,6 +34,19 @@ pub fn quoted() -> String {
 
 /// The answer in one sentence: the largest thing that can be mended, else what the matrix does.
 pub fn answer(fit: &DifferentialFit) -> String {
+    let better = better(fit).map_or(String::new(), |words| format!("; {words}"));
+    mended(fit) + &better
+}
+
+/// That a plain regression predicts held-out readings better, where one does.
+fn better(fit: &DifferentialFit) -> Option<String> {
+    let held_out = fit.held_out.as_ref()?;
+    let plain = PlainRegression::better(&held_out.plain, held_out.named_nt)?;
+    Some(plain.predicts_better(held_out.named_nt))
+}
+
+/// The largest thing that can be mended, else what the matrix does.
+fn mended(fit: &DifferentialFit) -> String {
     if let Some(words) = fit.axes.iter().find_map(|(axis, of)| exceeded(axis, of)) {
         return words;
     }
@@ -208,6 +221,7 @@ pub fn short_periods(fit: &DifferentialFit) -> Option<String> {
 pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
     let mut findings: Vec<String> = fit.axes.iter().filter_map(|(axis, of)| exceeded(axis, of)).collect();
     findings.extend(fit.contributions.iter().map(contribution));
+    findings.extend(better(fit));
     let ratio = fit.elements.values().map(|e| e.std_noise / e.std_independent).fold(0.0, f64::max);
     if ratio > NARROW {
         findings.push(format!(

@@ -66,7 +66,7 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
     told("predicting readings that are left out");
     let named = selected.named.iter().map(|(cause, form, _)| (*cause, *form));
     let offered: Vec<(Cause, Form)> = named.chain(selected.offered.iter().copied()).collect();
-    let held_out = HeldOut { named: predicted, ..held_out(&Stack::of(problem, &offered)) };
+    let held_out = HeldOut { named: predicted, ..held_out(&Stack::of(problem, &offered))? };
     let probability = |cause: Cause| -> f64 {
         selected.rivals.iter().filter(|set| set.causes.contains(&cause)).map(|set| set.probability).sum()
     };

@@ -1,14 +1,14 @@
 //! What a careful person's fits predict of readings that are left out: plain least squares on nine tenths of the
 //! rows predict the rest, in ten contiguous blocks.
 
+use estimate::Error;
+use estimate::screen::{Column, Screen};
 use faer::Mat;
 use rayon::prelude::*;
 
 use crate::fit::Fit;
 use crate::predicted::BLOCKS;
-use crate::products::Product;
 use crate::stack::Stack;
-use crate::sweep::Sweep;
 
 /// Most terms of a stepwise regression.
 const MOST: usize = 12;
@@ -57,11 +57,13 @@ impl Blocks {
         Self { each, whole, rows }
     }
 
-    /// Rms of what is predicted of `y` in all blocks, each by columns chosen on the others.
-    fn rms(&self, y: usize, columns: &dyn Fn(&Mat<f64>, usize) -> Vec<usize>) -> f64 {
-        let squares = self.each.iter().map(|block| {
+    /// Rms of what is predicted of a channel in all blocks, each by columns chosen on the others.
+    fn rms(&self, stack: &Stack, channel: usize, columns: &Choice<'_>) -> Result<f64, Error> {
+        let y = stack.y[channel];
+        let mut squares = 0.0;
+        for block in &self.each {
             let others = &self.whole - block;
-            let fit = Fit::of(&others, y, &columns(&others, self.rows - self.rows / BLOCKS));
+            let fit = Fit::of(&others, y, &columns(channel, &others, self.rows - self.rows / BLOCKS)?);
             // (y − Xβ)ᵀ(y − Xβ) of the block.
             let along: f64 = fit.columns.iter().zip(&fit.coefficients).map(|(i, b)| b * block[(*i, y)]).sum();
             let own: f64 = fit
@@ -72,30 +74,29 @@ impl Blocks {
                     fit.columns.iter().zip(&fit.coefficients).map(move |(j, b)| a * b * block[(*i, *j)])
                 })
                 .sum();
-            block[(y, y)] - 2.0 * along + own
-        });
-        (squares.sum::<f64>().max(0.0) / self.rows.max(1) as f64).sqrt()
+            squares += block[(y, y)] - 2.0 * along + own;
+        }
+        Ok((squares.max(0.0) / self.rows.max(1) as f64).sqrt() * stack.scale[y])
     }
 }
 
 /// The columns that a regression of a channel chooses from the products of so many rows.
-type Choice<'a> = dyn Fn(usize, &Mat<f64>, usize) -> Vec<usize> + 'a;
+type Choice<'a> = dyn Fn(usize, &Mat<f64>, usize) -> Result<Vec<usize>, Error> + 'a;
 
 /// Of the candidates of a stack; what the names predict is not among it.
-pub fn held_out(stack: &Stack) -> HeldOut {
+///
+/// # Errors
+///
+/// Products that are not finite.
+pub fn held_out(stack: &Stack) -> Result<HeldOut, Error> {
     let blocks = Blocks::of(stack);
+    let channels = 0..stack.y.len();
     let of = |channel: usize, candidates: &[usize]| -> Vec<usize> {
         let own = candidates.iter().flat_map(|one| stack.candidates[*one].columns[channel].clone());
         stack.plain.iter().copied().chain(own).collect()
     };
-    let rms = |columns: &Choice<'_>| -> Vec<f64> {
-        (0..stack.y.len())
-            .map(|channel| {
-                let y = stack.y[channel];
-                let own = |gram: &Mat<f64>, rows: usize| columns(channel, gram, rows);
-                blocks.rms(y, &own) * stack.scale[y]
-            })
-            .collect()
+    let rms = |columns: &Choice<'_>| -> Result<Vec<f64>, Error> {
+        channels.clone().map(|channel| blocks.rms(stack, channel, columns)).collect()
     };
     let plain = |candidate: &usize| {
         let form = stack.candidates[*candidate].form;
@@ -103,44 +104,35 @@ pub fn held_out(stack: &Stack) -> HeldOut {
     };
     let straight: Vec<usize> = (0..stack.candidates.len()).filter(plain).collect();
     let chosen = |channel: usize, gram: &Mat<f64>, rows: usize| stepwise(stack, gram, rows, channel);
-    let mut terms: Vec<usize> =
-        (0..stack.y.len()).flat_map(|channel| chosen(channel, &blocks.whole, blocks.rows)).collect();
+    let mut terms = Vec::new();
+    for channel in channels.clone() {
+        terms.extend(chosen(channel, &blocks.whole, blocks.rows)?);
+    }
     terms.sort_unstable();
     terms.dedup();
     let rivals = vec![
         Plain {
             name: "stepwise regression",
-            rms: rms(&|channel, gram, rows| of(channel, &chosen(channel, gram, rows))),
+            rms: rms(&|channel, gram, rows| Ok(of(channel, &chosen(channel, gram, rows)?)))?,
             terms,
         },
         Plain {
             name: "least squares with every column",
-            rms: rms(&|channel, _, _| of(channel, &straight)),
+            rms: rms(&|channel, _, _| Ok(of(channel, &straight)))?,
             terms: straight.clone(),
         },
     ];
-    HeldOut { base: rms(&|_, _, _| stack.plain.clone()), named: Vec::new(), rivals }
+    Ok(HeldOut { base: rms(&|_, _, _| Ok(stack.plain.clone()))?, named: Vec::new(), rivals })
 }
 
-/// Candidates added to one channel one at a time while n ln RSS + k ln n falls.
-fn stepwise(stack: &Stack, gram: &Mat<f64>, rows: usize, channel: usize) -> Vec<usize> {
-    let product = [Product { gram: gram.clone(), log_determinant: 0.0, log_prior: 0.0 }];
-    let n = rows as f64;
-    let mut columns: Vec<usize> = Vec::new();
-    let mut terms: Vec<usize> = Vec::new();
-    while terms.len() < MOST {
-        let sweep = Sweep::of(&product, rows, stack.y[channel], &stack.plain, &columns);
-        let left = sweep.left()[0];
-        let tried = (0..stack.candidates.len()).filter(|one| !terms.contains(one)).map(|one| {
-            let (gain, rank) = sweep.gain(&stack.candidates[one].columns[channel]);
-            (one, n * (1.0 - gain / left).max(f64::MIN_POSITIVE).ln() + rank as f64 * n.ln())
-        });
-        let Some((one, _)) = tried.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, change)| *change < 0.0)
-        else {
-            break;
-        };
-        terms.push(one);
-        columns.extend(&stack.candidates[one].columns[channel]);
+/// The candidates that a stepwise regression of a channel chooses.
+fn stepwise(stack: &Stack, gram: &Mat<f64>, rows: usize, channel: usize) -> Result<Vec<usize>, Error> {
+    let y = stack.y[channel];
+    let mut screen = Screen::empty(gram[(y, y)], rows, 0);
+    for i in 0..gram.ncols() {
+        let left = (0..=i).map(|j| gram[(i, j)]).collect();
+        screen.push(Column { left, along: gram[(i, y)], whole: gram[(i, i)] });
     }
-    terms
+    let groups: Vec<&[usize]> = stack.candidates.iter().map(|one| one.columns[channel].as_slice()).collect();
+    screen.given(&stack.plain)?.stepwise(&groups, MOST)
 }

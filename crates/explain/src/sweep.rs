@@ -69,12 +69,6 @@ impl<'a> Sweep<'a> {
         (0..weights.len()).fold(0, |a, b| if weights[b] > weights[a] { b } else { a })
     }
 
-    /// By how much columns lower the sum of squares under the first form of noise, and how many of them are
-    /// independent of the set.
-    pub fn gain(&self, columns: &[usize]) -> (f64, usize) {
-        self.under[0].gain(columns, self.y)
-    }
-
     /// The sum of squares that is left, under each form of noise.
     pub fn left(&self) -> Vec<f64> {
         self.under.iter().map(|under| under.left).collect()

@@ -1,6 +1,6 @@
 //! From a pair to what its difference follows, its clocks and its events: columns first, until nothing changes.
 
-use common::{ClockDifference, Quantity};
+use common::{ClockDifference, HeldOutPrediction, Quantity};
 use explain::{Cause, Covariate, Explained, Problem, explain};
 use joined::Pair;
 
@@ -10,7 +10,7 @@ use crate::followed::Follows;
 use crate::look::Shift;
 use crate::prepare::{Prepared, prepare, whole_samples};
 use crate::problem::{Known, problem, squares};
-use crate::{delays, pauses, segments};
+use crate::{delays, held_out, pauses, segments};
 
 /// Fewer whole rows explain nothing.
 pub const LEAST: usize = 32;
@@ -175,6 +175,17 @@ impl Found {
             segments.write(clock);
         }
         Ok(())
+    }
+
+    /// How well readings that were left out are predicted, by the names and by plain regressions; none where nothing
+    /// was recorded beside.
+    pub fn held_out(&self) -> Option<HeldOutPrediction> {
+        let explained = &self.last.as_ref()?.explained;
+        let names: Vec<&str> = self.covariates.iter().map(|one| one.name.as_str()).collect();
+        Some(HeldOutPrediction {
+            named_nt: held_out::together(&explained.held_out.named),
+            plain: held_out::regressions(explained, &|cause| held_out::named(cause, &names)),
+        })
     }
 
     /// What the engine says with these clocks and events.

@@ -12,6 +12,7 @@
 //! - `delays` estimates the clock's offset in parts and bands, with the reference moved aside: its noise makes every
 //!   offset look small and certain.
 //! - `events` finds steps, spikes and disturbed intervals, and the instrument they belong to.
+//! - `held_out` says what plain regressions predict of readings that were left out.
 //! - `adopt` writes the clocks' difference to the model of a document.
 //! - `magnitude` makes a pair of a vector whose field hardly turns and a scalar magnetometer.
 
@@ -21,6 +22,7 @@ pub mod delays;
 pub mod events;
 pub mod followed;
 mod found;
+mod held_out;
 pub mod look;
 pub mod magnitude;
 pub mod noise;
@@ -34,6 +36,7 @@ pub mod significance;
 
 pub use common::Error;
 pub use found::{Clock, Explanation, Found, LEAST, find};
+pub use held_out::{lateness, named, regressions};
 
 /// What has a smaller probability by chance is told.
 pub const TOLD_BELOW: f64 = 0.01;

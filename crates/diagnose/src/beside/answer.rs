@@ -1,25 +1,12 @@
 //! The answer in one sentence: what, where, how large, from what rms to what rms.
 
-use common::number::{duration, significant, uncertain};
+use common::number::{significant, uncertain};
 use common::{Diagnosis, ExplainedEffect, Quantity, Verdict};
-use explain::Form;
+
+use crate::plain;
 
 /// Most effects that the sentence names.
 const HEAD: usize = 3;
-
-/// How late a form is.
-pub fn lateness(form: &Form) -> String {
-    let late =
-        if form.late_s > 0.0 { format!(" with a lag of {}", duration(form.late_s)) } else { String::new() };
-    let rows = match form.rows {
-        0 => String::new(),
-        1 => ", logged a row late".into(),
-        -1 => ", logged a row early".into(),
-        rows if rows > 0 => format!(", logged {rows} rows late"),
-        rows => format!(", logged {} rows early", -rows),
-    };
-    format!("{late}{rows}")
-}
 
 /// The answer.
 pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
@@ -27,7 +14,7 @@ pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
     let rms = |nt: f64| significant(nt, 3);
     let falls = format!("the rms falls from {} to {} nT", rms(fit.rms_refitted_nt), rms(fit.rms_after_nt));
     let with = if diagnosis.effects.len() > 1 { "with these" } else { "with this" };
-    match diagnosis.verdict {
+    let said = match diagnosis.verdict {
         Verdict::Agrees => format!(
             "nothing recorded explains what {what} reads beside its fit; {} nT rms are noise",
             rms(fit.rms_after_nt)
@@ -40,24 +27,10 @@ pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
             let named: Vec<String> = diagnosis.effects.iter().take(HEAD).map(sized).collect();
             let more = diagnosis.effects.len().saturating_sub(HEAD);
             let more = if more > 0 { format!(", and {more} more in the document") } else { String::new() };
-            let held = match diagnosis.verdict {
-                Verdict::PartlyExplained => {
-                    let best = fit.plain.iter().min_by(|a, b| a.held_out_nt.total_cmp(&b.held_out_nt));
-                    best.map_or(String::new(), |plain| {
-                        format!(
-                            "; {} ({}) predicts held-out readings better: {} nT, not {}",
-                            plain.name,
-                            plain.terms.join(", "),
-                            rms(plain.held_out_nt),
-                            rms(fit.held_out_after_nt)
-                        )
-                    })
-                }
-                _ => String::new(),
-            };
-            format!("{}{more}; {with}, {falls}{held}", named.join(", and "))
+            format!("{}{more}; {with}, {falls}", named.join(", and "))
         }
-    }
+    };
+    said + &plain::in_words(fit)
 }
 
 /// An effect with its size: the axes in the unit of the first, the rest by name.

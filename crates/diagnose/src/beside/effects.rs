@@ -5,7 +5,7 @@ use explain::{Amplitude, Cause, Form};
 use indexmap::IndexMap;
 use physics::Kind;
 
-use super::{Compared, answer, rms};
+use super::{Compared, rms};
 
 /// All that explains something, the largest first.
 pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
@@ -54,7 +54,7 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
     ExplainedEffect {
         effect: effect.into(),
         title: match &column {
-            Some(_) => format!("{} {follows}{}", compared.what, answer::lateness(&form)),
+            Some(_) => format!("{} {follows}{}", compared.what, paired::lateness(&form)),
             None => follows,
         },
         physics: kind

@@ -19,7 +19,7 @@ impl Model<'_> {
             .into_par_iter()
             .map(|run| {
                 let moving = |unknown: &Unknown| match unknown {
-                    Unknown::Chain(parameter, instrument) if *instrument == self.instrument(run) => {
+                    Unknown::Chain(parameter, unit) if *unit == self.unit(run) => {
                         self.local(state, run, *parameter)
                     }
                     _ => Vec::new(),
@@ -48,7 +48,7 @@ impl Model<'_> {
                     .iter()
                     .enumerate()
                     .map(|(number, unknown)| match unknown {
-                        Unknown::Chain(parameter, instrument) if *instrument == self.instrument(run) => {
+                        Unknown::Chain(parameter, unit) if *unit == self.unit(run) => {
                             let mut column = vec![0.0; length];
                             for (local, weight) in self.local(state, run, *parameter) {
                                 let at = parameters.iter().position(|p| *p == local).unwrap_or(0);

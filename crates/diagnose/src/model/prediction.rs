@@ -47,7 +47,7 @@ impl<'a> Model<'a> {
     pub fn setting(&self, state: &State, run: usize) -> (Basic, Context<'a>) {
         let mut basic = self.observed.runs[run].setting.basic.clone();
         let mut context = self.observed.runs[run].setting.context.clone();
-        let instrument = self.instrument(run);
+        let instrument = self.unit(run);
         let mut turns = [[[0.0; 2]; 3]; 2];
         let mut rotation = Vector3::zeros();
         for (unknown, value) in self.unknowns.iter().zip(&state.base) {

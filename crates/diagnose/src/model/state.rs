@@ -2,10 +2,10 @@
 
 use common::Axis;
 use nalgebra::Vector3;
-use physics::{EffectInstance, Kind, Role};
+use physics::{EffectInstance, Kind, Role, Unit};
 use std::sync::Arc;
 
-use super::unknown::{Instrument, Unknown, instrument_of};
+use super::unknown::Unknown;
 use crate::channel::Reader;
 use crate::observed::Observed;
 
@@ -57,8 +57,6 @@ pub struct Model<'a> {
     pub unknowns: Vec<Unknown>,
     /// Their standard uncertainty, where they are known with one beforehand.
     pub priors: Vec<Option<f64>>,
-    /// Where they are known to be, as shifts from the document.
-    pub centres: Vec<f64>,
     /// The setting of the block of each run.
     pub(super) settings: Vec<usize>,
 }
@@ -110,8 +108,8 @@ impl Model<'_> {
     /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its
     /// standard uncertainty.
     pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
-        let base = self.priors.iter().zip(&self.centres).zip(&state.base).enumerate();
-        let base = base.filter_map(|(k, ((prior, centre), value))| prior.map(|std| (k, value - centre, std)));
+        let base = self.priors.iter().zip(&state.base).enumerate();
+        let base = base.filter_map(|(k, (prior, value))| prior.map(|std| (k, *value, std)));
         base.chain(self.known_of_effects(state)).collect()
     }
 
@@ -127,9 +125,9 @@ impl Model<'_> {
         self.free(state).into_iter().enumerate().filter_map(series).collect()
     }
 
-    /// Whose constants a run shows.
-    pub(super) fn instrument(&self, run: usize) -> Instrument {
-        instrument_of(&self.observed.runs[run])
+    /// The unit of a run's readings, which says whose constants it shows.
+    pub(super) fn unit(&self, run: usize) -> Unit {
+        self.observed.runs[run].setting.context.unit
     }
 
     /// Whether any channel is of a sensor, or of all together.

@@ -7,10 +7,10 @@
 
 use common::Axis;
 use nalgebra::Vector3;
-use physics::{Parameter, Role, frames};
+use physics::{Parameter, Role, Unit, frames};
 
 use super::state::{Model, State};
-use super::unknown::{Instrument, Unknown};
+use super::unknown::Unknown;
 
 /// A time constant or a level goes no farther beyond its plausible range than by this factor.
 const FARTHEST: f64 = 10.0;
@@ -46,24 +46,19 @@ impl Model<'_> {
     /// move in a straight line.
     fn straighten(&self, before: &State, next: &mut State) {
         for run in 0..self.observed.runs.len() {
-            let instrument = self.instrument(run);
-            if (0..run).any(|earlier| self.instrument(earlier) == instrument) {
+            let unit = self.unit(run);
+            if (0..run).any(|earlier| self.unit(earlier) == unit) {
                 continue;
             }
             for axis in Axis::ALL {
-                self.straighten_sensor(before, next, (run, instrument, axis));
+                self.straighten_sensor(before, next, (run, unit, axis));
             }
         }
     }
 
-    fn straighten_sensor(
-        &self,
-        before: &State,
-        next: &mut State,
-        (run, instrument, axis): (usize, Instrument, Axis),
-    ) {
+    fn straighten_sensor(&self, before: &State, next: &mut State, (run, unit, axis): (usize, Unit, Axis)) {
         let at = |parameter: Parameter| {
-            self.unknowns.iter().position(|unknown| *unknown == Unknown::Chain(parameter, instrument))
+            self.unknowns.iter().position(|unknown| *unknown == Unknown::Chain(parameter, unit))
         };
         let sensitivity = at(Parameter::Sensitivity(axis));
         let offset = at(Parameter::SensorOffset(axis));

@@ -6,7 +6,6 @@ use faer::Mat;
 use physics::{Parameter, Unit};
 
 use crate::Error;
-use crate::channel::Run;
 use crate::observed::Observed;
 
 /// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the
@@ -16,20 +15,11 @@ pub(super) const OFFSET_NT: f64 = 1000.0;
 /// Share of a column's squared length that is rounding.
 const SAME: f64 = 1e-9;
 
-/// Whose constants a parameter of the chain belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Instrument {
-    /// The magnetometer, by the unit of its readings.
-    Read(Unit),
-    /// The two of a differential recording.
-    Pair,
-}
-
 /// One unknown of the base model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unknown {
-    /// A parameter of the chain.
-    Chain(Parameter, Instrument),
+    /// A parameter of the chain of readings in a unit.
+    Chain(Parameter, Unit),
     /// The field left in the coils without drive, GEO, nT.
     Field(Axis),
     /// The level of a channel in a shield, nT; of opposite sign in the two positions of a reversal.
@@ -70,8 +60,8 @@ pub(super) fn possible(
     settings: &[usize],
 ) -> Vec<(Unknown, Option<f64>)> {
     let mut all: Vec<(Unknown, Option<f64>)> = Vec::new();
-    for instrument in [Instrument::Read(Unit::Volt), Instrument::Read(Unit::Nanotesla), Instrument::Pair] {
-        all.extend(chain().map(|parameter| (Unknown::Chain(parameter, instrument), None)));
+    for unit in [Unit::Volt, Unit::Nanotesla] {
+        all.extend(chain().map(|parameter| (Unknown::Chain(parameter, unit), None)));
     }
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     if axes.is_some_and(|axes| axes.residual_field_nt.is_some()) {
@@ -89,11 +79,6 @@ pub(super) fn possible(
         }
     }
     all
-}
-
-/// Whose constants a run shows.
-pub(super) fn instrument_of(run: &Run<'_>) -> Instrument {
-    if run.differential() { Instrument::Pair } else { Instrument::Read(run.setting.context.unit) }
 }
 
 /// The parameters of the chain.

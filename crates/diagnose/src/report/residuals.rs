@@ -2,10 +2,12 @@
 
 use common::{Residual, ResidualOf};
 
+use super::rivals::rivals;
 use crate::channel::Channel;
 use crate::fit::{Fit, Fitter};
 use crate::held_out::HeldOut;
 use crate::model::Model;
+use crate::search::Searcher;
 use crate::{Error, Outcome};
 
 /// Rms of the noise over all readings, nT.
@@ -13,7 +15,12 @@ pub(super) fn floor(outcome: &Outcome) -> f64 {
     (outcome.noise.variance() * outcome.last.rest.scale()).sqrt()
 }
 
-pub(super) fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>) -> Result<Residual, Error> {
+pub(super) fn fit(
+    searcher: &mut Searcher<'_>,
+    outcome: &Outcome,
+    fitter: &Fitter<'_, '_>,
+) -> Result<Residual, Error> {
+    let model = fitter.model;
     let base = Fitter { model, noise: &outcome.base_noise };
     let held_before = held_out_nt(model, &base.held_out(&outcome.base)?, &outcome.base);
     let held_after = held_out_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.fit);
@@ -36,12 +43,12 @@ pub(super) fn fit(model: &Model<'_>, outcome: &Outcome, fitter: &Fitter<'_, '_>)
         noise_floor_nt: floor(outcome),
         noise_source: outcome.noise.source.into(),
         by_recording: model.observed.channels.iter().zip(&outcome.noise.std_nt).map(of_channel).collect(),
-        extra: common::Extra::new(),
+        plain: rivals(fitter, searcher, outcome)?,
         ..Residual::default()
     })
 }
 
-fn rms(values: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn rms(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value * value, count + 1));
     (sum / f64::from(count.max(1))).sqrt()
 }
@@ -49,7 +56,7 @@ fn rms(values: impl Iterator<Item = f64>) -> f64 {
 /// Of each reading, how far it is from what the others predict of it: in units of what is new in its noise,
 /// times what such a unit is in the fit's residual of its channel, nT. (Of noise with memory a recording has
 /// by chance more or less than its declaration.)
-fn held_out_nt(model: &Model<'_>, held: &HeldOut, fit: &Fit) -> Vec<Option<f64>> {
+pub(super) fn held_out_nt(model: &Model<'_>, held: &HeldOut, fit: &Fit) -> Vec<Option<f64>> {
     let of_channel = |channel: &Channel| -> Vec<Option<f64>> {
         let [in_nt, white] = [&fit.residual, &fit.white].map(|all| rms(all[channel.range()].iter().copied()));
         let unit = if white > 0.0 { in_nt / white } else { 0.0 };

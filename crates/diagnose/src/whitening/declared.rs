@@ -26,14 +26,11 @@ pub(super) fn declared(
     state: &State,
     channel: &Channel,
 ) -> Option<Noise> {
-    let run = &observed.runs[channel.run];
     let mut noise = match channel.reader {
         Reader::Scalar => {
             let std = document.facility.as_ref()?.reference_std_nt?;
             Noise { white_rms_nt: Some(std), ..Noise::default() }
         }
-        // Of two magnetometers the difference has the noise of both.
-        Reader::Sensor(_) if run.differential() => return None,
         Reader::Sensor(axis) => document.instrument.as_ref()?.noise_of(axis)?.clone(),
         Reader::Magnitude => of_magnitude(document, channel)?,
     };
@@ -86,8 +83,8 @@ pub fn code_nt(document: &Document, observed: &Observed<'_>, channel: &Channel) 
     let Some(instrument) = document.instrument.as_ref() else { return 0.0 };
     let Setting { basic, context } = &observed.runs[channel.run].setting;
     let code = match context.unit {
-        Unit::Volt if !observed.runs[channel.run].differential() => instrument.quantisation_v,
-        _ => instrument.quantisation_nt,
+        Unit::Volt => instrument.quantisation_v,
+        Unit::Nanotesla => instrument.quantisation_nt,
     };
     let code = code.unwrap_or(0.0);
     match channel.reader {

@@ -110,3 +110,44 @@ fn a_refit_of_a_pair_that_does_not_share_its_short_periods_does_not_raise_the_rm
     let by_hand = ((0..3).map(left).sum::<f64>() / (3 * ROWS) as f64).sqrt();
     assert!(fit.rms_refitted_nt < 1.001 * by_hand, "{} for {by_hand}", fit.rms_refitted_nt);
 }
+
+/// A load in amperes that is switched, and the document of a pair in which it moves x by 3 nT/A.
+fn loaded() -> Document {
+    let (mut document, _) = pair();
+    let mut stream = noise::Stream::new(4, "load");
+    let load: Vec<f64> = (0..ROWS).map(|row| f64::from(u8::from(row / 37 % 3 == 1))).collect();
+    let columns = &mut document.recordings[0].columns;
+    for (axis, nt_per_a) in [("x", 3.0), ("y", 0.0), ("z", 0.0)] {
+        let test = columns.get_mut(&format!("test_{axis}_nt")).expect("readings");
+        test.iter_mut().zip(&load).for_each(|(test, load)| *test += nt_per_a * load + 0.05 * stream.normal());
+    }
+    columns.insert("load_current_a".into(), load.into());
+    document
+}
+
+#[test]
+fn a_pair_is_held_against_a_simulation() {
+    let (simulated, _) = pair();
+    let options = Options { against: Some(simulated), ..Options::default() };
+    let document = loaded();
+    let recordings = document.recordings.clone();
+    let found = diagnose::run(document, &options).expect("diagnosed");
+    assert_eq!(found.recordings, recordings);
+    let entry = found.diagnosis.expect("a diagnosis").remove(0);
+    assert!(entry.answer.contains("load_current"), "{}", entry.answer);
+    let fit = entry.fit.expect("a fit");
+    assert!(fit.rms_before_nt > 10.0 * fit.rms_after_nt, "{fit:?}");
+}
+
+#[test]
+fn a_pair_beside_other_recordings_has_an_answer_of_its_own() {
+    let mut document =
+        Document::parse(&testkit::read_fixture("diagnose/warm/input.json")).expect("a document");
+    let alone = diagnose::run(document.clone(), &Options::default()).expect("diagnosed");
+    document.recordings.extend(loaded().recordings);
+    let both = diagnose::run(document, &Options::default()).expect("diagnosed");
+    let (alone, both) = (alone.diagnosis.expect("a diagnosis"), both.diagnosis.expect("two"));
+    assert_eq!(both.len(), 2);
+    assert!(both[0].answer.contains("load_current"), "{}", both[0].answer);
+    assert_eq!(both[1].answer, alone[0].answer);
+}

@@ -160,6 +160,35 @@ impl Screen {
     }
 }
 
+impl Screen {
+    /// The groups that a stepwise regression chooses: one at a time, the one by which n ln S + k ln n falls most,
+    /// S the sum of squares and k the rank, until it no longer falls or there are so many.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Decomposition`] for products that are not finite.
+    pub fn stepwise(&self, groups: &[&[usize]], most: usize) -> Result<Vec<usize>, Error> {
+        let rows = self.rows as f64;
+        let mut chosen = Vec::new();
+        let mut rest = self.clone();
+        while chosen.len() < most {
+            let mut best: Option<(f64, usize)> = None;
+            for number in (0..groups.len()).filter(|number| !chosen.contains(number)) {
+                let Gain { gain, rank, .. } = rest.gain(groups[number])?;
+                let left = (1.0 - gain / rest.sum_of_squares()).max(f64::MIN_POSITIVE);
+                let change = rows * left.ln() + rank as f64 * rows.ln();
+                if change < best.map_or(0.0, |(least, _)| least) {
+                    best = Some((change, number));
+                }
+            }
+            let Some((_, number)) = best else { break };
+            rest = rest.given(groups[number])?;
+            chosen.push(number);
+        }
+        Ok(chosen)
+    }
+}
+
 /// Directions within a group along which something is left: D with Dᵀ (CᵀC) D = 1, one column a direction.
 pub(super) struct Part {
     pub directions: Mat<f64>,
