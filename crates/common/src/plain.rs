@@ -8,10 +8,6 @@ use schemars::JsonSchema;
 
 use crate::number::significant;
 
-/// Held-out readings that are predicted worse than this by the names, beside the best plain regression, have
-/// something left in them.
-const WORSE: f64 = 1.05;
-
 /// A regression that a careful person would try.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -26,11 +22,15 @@ pub struct PlainRegression {
 }
 
 impl PlainRegression {
+    /// Readings of which more than this is left, over what noise or the best plain regression leaves, have something in
+    /// them.
+    pub const WORSE: f64 = 1.05;
+
     /// The one that predicts best, where it does so better than an answer of which readings that were left out have
     /// this rms, nT.
     pub fn better(all: &[Self], named_nt: f64) -> Option<&Self> {
         let best = all.iter().min_by(|a, b| a.held_out_nt.total_cmp(&b.held_out_nt))?;
-        (named_nt > WORSE * best.held_out_nt).then_some(best)
+        (named_nt > Self::WORSE * best.held_out_nt).then_some(best)
     }
 
     /// That it predicts better, in a sentence.

@@ -1,5 +1,6 @@
 //! How improbable a gain is by chance.
 
+use common::PlainRegression;
 use estimate::stats::{chi_squared_p, f_p};
 
 /// Standard deviations of a sum of squares that chance is allowed.
@@ -52,6 +53,13 @@ impl Rest {
         }
         let spread = self.freedom * (2.0 / self.freedom + 2.0 / self.known).sqrt();
         (left - self.freedom - BEYOND_CHANCE * spread).max(0.0)
+    }
+
+    /// Whether more is left than noise leaves, as well as that is known, and by more than a share of the rms that
+    /// matters.
+    pub fn is_beyond(&self) -> bool {
+        self.excess(self.sum_of_squares) > 0.0
+            && (self.sum_of_squares / self.freedom).sqrt() > PlainRegression::WORSE
     }
 
     /// Whether the scatter is larger than the declaration by more than chance, its own uncertainty left

@@ -287,6 +287,10 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     told("writing the answer");
     outcome.notes.extend(notes);
     stands::standing(&original, &model, &start, &mut outcome)?;
+    let mut fit = report::fit(&model, &mut searcher, &outcome)?;
+    if plain::judge(&mut outcome, &fit) {
+        fit = report::fit(&model, &mut searcher, &outcome)?;
+    }
     let moved = moved::moved(&original, &model, &outcome, options.level);
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
         outcome.verdict = Verdict::Explained;
@@ -297,14 +301,14 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
         physics::state_references(document, &References::of(&original));
     } else if options.refit {
         // Beside names that are open, without any of them.
-        let (fit, look) = if outcome.found.is_empty() {
+        let (stands, look) = if outcome.found.is_empty() {
             (&outcome.fit, &outcome.last)
         } else {
             (&outcome.base, &outcome.first)
         };
-        adopt::calibration(document, &model, (fit, &look.rest))?;
+        adopt::calibration(document, &model, (stands, &look.rest))?;
     }
-    let entry = report::report(&original, &model, &mut searcher, &outcome, options)?;
+    let entry = report::report(&original, &model, &mut searcher, &outcome, fit, options)?;
     let entry = Diagnosis { calibration_moved: moved, ..entry };
     Ok(Diagnosis { answer: words::answer(&entry), ..entry })
 }

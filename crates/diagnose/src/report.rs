@@ -11,7 +11,7 @@ mod series;
 mod unnamed;
 
 use common::number::{bare, p_value, probability, significant};
-use common::{Diagnosis, Document, Remaining, Share, Verdict};
+use common::{Diagnosis, Document, Remaining, Residual, Share, Verdict};
 
 use crate::covariates;
 use crate::fit::Fitter;
@@ -22,6 +22,7 @@ use crate::what::{What, named};
 use crate::{Error, NamedEffect, Options, Outcome, experiment, moved, plain};
 
 pub use effects::quantities;
+pub use residuals::fit;
 
 /// The entry of a document.
 pub fn report(
@@ -29,14 +30,15 @@ pub fn report(
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
     outcome: &Outcome,
+    fit: Residual,
     options: &Options,
 ) -> Result<Diagnosis, Error> {
     let rest = outcome.last.rest;
     let omnibus = rest.omnibus();
     let left = outcome.verdict != Verdict::Agrees && !outcome.last.clean(options.level);
     let equal: Vec<&NamedEffect> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
-    let verdict = outcome.verdict;
     let fitter = Fitter { model, noise: &outcome.noise };
+    let verdict = outcome.verdict;
     let mut effects = effects::explained(model, outcome, &fitter)?;
     effects.sort_by(|a, b| b.held_out_gain_nt.total_cmp(&a.held_out_gain_nt));
     let structure = places::structure(outcome, options);
@@ -107,7 +109,6 @@ pub fn report(
     }
     reasons.extend(model.observed.notes.iter().map(|note| format!("note: {note}")));
     reasons.extend(outcome.notes.iter().map(|note| format!("note: {note}")));
-    let fit = residuals::fit(searcher, outcome, &fitter)?;
     reasons.extend(plain::reasons(&fit));
     let guilty = guilty::guilty(model, &places);
     let fields = covariates::fields(model, &outcome.fit.state)?;

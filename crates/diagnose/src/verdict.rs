@@ -7,7 +7,7 @@ use estimate::stats::chi_squared_quantile;
 
 use crate::additions::additions;
 use crate::atoms::{Atom, Atoms, Thing};
-use crate::decide::{EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
+use crate::decide::{AS_MUCH, EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
 use crate::level::{Rest, at_least_one};
 use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
@@ -366,7 +366,7 @@ fn rivals(
     let most = sets.gain(&ranked[0].members);
     let explains = |set: &Set| {
         set.members.iter().all(|member| atoms.all[member.atom].is_named())
-            && sets.gain(&set.members) > PARTLY * most
+            && sets.gain(&set.members) > AS_MUCH * most
     };
     // One set for each name whose shapes no fit has found yet.
     let mut known: Vec<usize> = ranked[0].members.iter().map(|member| member.atom).collect();

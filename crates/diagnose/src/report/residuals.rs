@@ -15,12 +15,9 @@ pub(super) fn floor(outcome: &Outcome) -> f64 {
     (outcome.noise.variance() * outcome.last.rest.scale()).sqrt()
 }
 
-pub(super) fn fit(
-    searcher: &mut Searcher<'_>,
-    outcome: &Outcome,
-    fitter: &Fitter<'_, '_>,
-) -> Result<Residual, Error> {
-    let model = fitter.model;
+/// What the fits leave of all readings and of those left out, beside plain regressions.
+pub fn fit(model: &Model<'_>, searcher: &mut Searcher<'_>, outcome: &Outcome) -> Result<Residual, Error> {
+    let fitter = &Fitter { model, noise: &outcome.noise };
     let base = Fitter { model, noise: &outcome.base_noise };
     let held_before = held_out_nt(model, &base.held_out(&outcome.base)?, &outcome.base);
     let held_after = held_out_nt(model, &fitter.held_out(&outcome.fit)?, &outcome.fit);
