@@ -166,8 +166,7 @@ impl Compared {
 
     /// The name of a cause.
     fn name(&self, cause: Cause) -> String {
-        let covariates: Vec<&str> = self.covariates.iter().map(String::as_str).collect();
-        paired::named(cause, &covariates)
+        paired::named(cause, &self.covariates)
     }
 
     /// Sets of names that explain as well, where no single one is sure.

@@ -21,6 +21,8 @@
 //!   (`form_error`: what these add to the uncertainty of every fitted parameter; `sized`: intervals of
 //!   parameters). `evidence` is the marginal likelihood, `sets` the beam search over sets, `verdict` the
 //!   names with probabilities and shares. All thresholds are in `decide`.
+//! - `plain` judges names by held-out readings, beside plain regressions (`report/rivals`); `linear` tells of a
+//!   refit that leaves more than linear least squares. `beside` answers of two instruments side by side.
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
 //!   residual (`moments`: which of it is new, which pays its trials factor). Large effects get a second round
 //!   about the calibration that goes with them.

@@ -6,26 +6,37 @@ use common::{PlainRegression, Residual, Verdict};
 use crate::Outcome;
 use crate::decide::PARTLY;
 
-/// Judges names by the readings that were left out. Names explain where they leave what noise leaves and predict as well
-/// as a plain regression. Names that explain a part lower the mean square by that part of what the best regression takes
-/// of it, or they are taken back; whether they were.
+/// Judges names by the readings that were left out; whether they were taken back. Codes that the readings show by
+/// themselves, which no reading is predicted by, stay.
 pub fn judge(outcome: &mut Outcome, fit: &Residual) -> bool {
-    match outcome.verdict {
-        Verdict::Explained if outcome.last.rest.is_beyond() || better(fit).is_some() => {
-            outcome.verdict = Verdict::PartlyExplained;
-        }
-        _ => {}
+    if outcome.found.iter().any(|found| found.share == 0.0) {
+        return false;
     }
-    let square = |nt: f64| nt * nt;
-    let named = square(fit.held_out_before_nt) - square(fit.held_out_after_nt);
-    let least = fit.plain.iter().map(|plain| plain.held_out_nt).fold(fit.held_out_after_nt, f64::min);
-    let most = square(fit.held_out_before_nt) - square(least);
-    let part = matches!(outcome.verdict, Verdict::PartlyExplained | Verdict::Ambiguous);
-    let taken_back = part && !outcome.found.is_empty() && named < PARTLY * most;
+    let verdict = judged(outcome.verdict, outcome.last.rest.is_beyond(), fit);
+    let taken_back = verdict == Verdict::Unexplained && !outcome.found.is_empty();
+    outcome.verdict = verdict;
     if taken_back {
         outcome.without_names("readings that were left out are not predicted that much better with it");
     }
     taken_back
+}
+
+/// Names explain where they leave what noise leaves and predict as well as a plain regression. Names that explain a
+/// part lower the mean square by that part of what the best regression takes of it.
+fn judged(verdict: Verdict, beyond: bool, fit: &Residual) -> Verdict {
+    let verdict = match verdict {
+        Verdict::Explained if beyond || better(fit).is_some() => Verdict::PartlyExplained,
+        verdict => verdict,
+    };
+    let square = |nt: f64| nt * nt;
+    let lowered = |nt: f64| square(fit.held_out_before_nt) - square(nt);
+    let least = fit.plain.iter().map(|plain| plain.held_out_nt).fold(fit.held_out_after_nt, f64::min);
+    let part = matches!(verdict, Verdict::PartlyExplained | Verdict::Ambiguous);
+    if part && lowered(fit.held_out_after_nt) < PARTLY * lowered(least) {
+        Verdict::Unexplained
+    } else {
+        verdict
+    }
 }
 
 /// The regression that predicts held-out readings better than the names, where one does.
@@ -51,4 +62,28 @@ pub fn reasons(fit: &Residual) -> Vec<String> {
         )
     };
     fit.plain.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_worth_what_they_predict() {
+        let fit = |after: f64, plain: f64| Residual {
+            held_out_before_nt: 10.0,
+            held_out_after_nt: after,
+            plain: vec![PlainRegression { held_out_nt: plain, ..PlainRegression::default() }],
+            ..Residual::default()
+        };
+        let explained = |after, plain, beyond| judged(Verdict::Explained, beyond, &fit(after, plain));
+        assert_eq!(explained(1.0, 1.0, false), Verdict::Explained);
+        // Something is left beside the noise, or for a plain regression.
+        assert_eq!(explained(1.0, 1.0, true), Verdict::PartlyExplained);
+        assert_eq!(explained(2.0, 1.0, false), Verdict::PartlyExplained);
+        // Three tenths of 100 − 1 nT² are 29.7.
+        let partly = |after| judged(Verdict::PartlyExplained, true, &fit(after, 1.0));
+        assert_eq!([8.3, 8.5].map(partly), [Verdict::PartlyExplained, Verdict::Unexplained]);
+        assert_eq!(judged(Verdict::Agrees, false, &fit(10.0, 1.0)), Verdict::Agrees);
+    }
 }

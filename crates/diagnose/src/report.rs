@@ -37,8 +37,8 @@ pub fn report(
     let omnibus = rest.omnibus();
     let left = outcome.verdict != Verdict::Agrees && !outcome.last.clean(options.level);
     let equal: Vec<&NamedEffect> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
-    let fitter = Fitter { model, noise: &outcome.noise };
     let verdict = outcome.verdict;
+    let fitter = Fitter { model, noise: &outcome.noise };
     let mut effects = effects::explained(model, outcome, &fitter)?;
     effects.sort_by(|a, b| b.held_out_gain_nt.total_cmp(&a.held_out_gain_nt));
     let structure = places::structure(outcome, options);

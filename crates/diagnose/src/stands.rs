@@ -3,9 +3,9 @@
 //! Weights rest on where noise is small. Where two instruments are held against each other, the noise that is
 //! estimated from what is left is small at short periods because the field is, and what weighs most there is
 //! what they do not share: filters, local noise, iron that only one feels. Least squares rest on what is
-//! strong, which is slow, and no weight makes them leave more than came. So where the noise of a magnitude is not
-//! declared, the weights say what is determined and how well, and least squares say what
-//! the constants are. By how much the two are apart is part of the uncertainty.
+//! strong, which is slow, and no weight makes them leave more than came. So where the noise of a magnitude is
+//! not declared, the weights say what is determined and how well, and least squares say what the constants
+//! are. By how much the two are apart is part of the uncertainty.
 
 use common::Document;
 use faer::Mat;

@@ -10,9 +10,6 @@ use crate::fit::Fit;
 use crate::predicted::BLOCKS;
 use crate::stack::Stack;
 
-/// Most terms of a stepwise regression.
-const MOST: usize = 12;
-
 /// Rms of readings that were left out.
 #[derive(Clone, Debug)]
 pub struct HeldOut {
@@ -134,5 +131,5 @@ fn stepwise(stack: &Stack, gram: &Mat<f64>, rows: usize, channel: usize) -> Resu
         screen.push(Column { left, along: gram[(i, y)], whole: gram[(i, i)] });
     }
     let groups: Vec<&[usize]> = stack.candidates.iter().map(|one| one.columns[channel].as_slice()).collect();
-    screen.given(&stack.plain)?.stepwise(&groups, MOST)
+    screen.given(&stack.plain)?.stepwise(&groups)
 }

@@ -181,7 +181,7 @@ impl Found {
     /// was recorded beside.
     pub fn held_out(&self) -> Option<HeldOutPrediction> {
         let explained = &self.last.as_ref()?.explained;
-        let names: Vec<&str> = self.covariates.iter().map(|one| one.name.as_str()).collect();
+        let names: Vec<String> = self.covariates.iter().map(|one| one.name.clone()).collect();
         Some(HeldOutPrediction {
             named_nt: held_out::together(&explained.held_out.named),
             plain: held_out::regressions(explained, &|cause| held_out::named(cause, &names)),

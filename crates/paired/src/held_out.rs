@@ -39,9 +39,9 @@ pub fn together(rms: &[f64]) -> f64 {
 }
 
 /// The name of a cause among the covariates of such names.
-pub fn named(cause: Cause, covariates: &[&str]) -> String {
+pub fn named(cause: Cause, covariates: &[String]) -> String {
     match cause {
-        Cause::Covariate(number) => covariates[number].into(),
+        Cause::Covariate(number) => covariates[number].clone(),
         Cause::Time => "time".into(),
         Cause::Clock => "clock".into(),
     }

@@ -10,9 +10,6 @@ use crate::search::Searcher;
 use crate::what::What;
 use crate::{Error, Outcome};
 
-/// Most terms of a stepwise regression.
-const MOST: usize = 12;
-
 pub(super) fn rivals(
     fitter: &Fitter<'_, '_>,
     searcher: &mut Searcher<'_>,
@@ -25,7 +22,7 @@ pub(super) fn rivals(
     let (names, groups): (Vec<String>, Vec<&[usize]>) = named
         .flat_map(|one| one.trials.iter().map(|trial| (one.what.name(), trial.columns.as_slice())))
         .unzip();
-    let chosen = screen.stepwise(&groups, MOST)?;
+    let chosen = screen.stepwise(&groups)?;
     // Of a recorded column, the trial without a lag.
     let recorded = pool.candidates.iter().filter(|one| matches!(one.what, What::Dependence { .. }));
     let (straight, every): (Vec<String>, Vec<&[usize]>) =

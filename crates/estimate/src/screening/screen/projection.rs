@@ -14,6 +14,8 @@ const GONE: f64 = 1e-9;
 /// known with what is gone held where it is: the size of an effect of a hundredth of the field goes with the
 /// scale of all readings to 1e-4 of that direction.
 const LOST: f64 = 1e-3;
+/// Most groups of a stepwise regression.
+const MOST: usize = 12;
 
 /// A group of columns fitted to what is left.
 #[derive(Clone, Debug)]
@@ -158,20 +160,18 @@ impl Screen {
             covariance,
         })
     }
-}
 
-impl Screen {
     /// The groups that a stepwise regression chooses: one at a time, the one by which n ln S + k ln n falls most,
-    /// S the sum of squares and k the rank, until it no longer falls or there are so many.
+    /// S the sum of squares and k the rank, until it no longer falls or there are twelve.
     ///
     /// # Errors
     ///
     /// [`Error::Decomposition`] for products that are not finite.
-    pub fn stepwise(&self, groups: &[&[usize]], most: usize) -> Result<Vec<usize>, Error> {
+    pub fn stepwise(&self, groups: &[&[usize]]) -> Result<Vec<usize>, Error> {
         let rows = self.rows as f64;
         let mut chosen = Vec::new();
         let mut rest = self.clone();
-        while chosen.len() < most {
+        while chosen.len() < MOST && rest.sum_of_squares() > 0.0 {
             let mut best: Option<(f64, usize)> = None;
             for number in (0..groups.len()).filter(|number| !chosen.contains(number)) {
                 let Gain { gain, rank, .. } = rest.gain(groups[number])?;
@@ -240,4 +240,26 @@ pub(super) fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Err
     let found = matrix.self_adjoint_eigen(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
     let values = (0..n).map(|k| found.S().column_vector()[k]).collect();
     Ok((values, found.U().to_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// y = 3 c + 2 a of columns a, b, c, d and 40 rows that are orthogonal, with a small remainder along d.
+    #[test]
+    fn a_stepwise_regression_takes_what_pays_for_its_unknowns_the_largest_first() {
+        let wave =
+            |k: usize, row: usize| (std::f64::consts::PI * (k as f64) * (row as f64 + 0.5) / 40.0).cos();
+        let mut products = Products::of(4);
+        let sizes = [2.0, 0.0, 3.0, 1e-3];
+        let rest = |row: usize| 0.1 * wave(17, row);
+        let value = |row: usize, column: usize| match column {
+            4 => (0..4).map(|k| sizes[k] * wave(k + 1, row)).sum::<f64>() + rest(row),
+            column => wave(column + 1, row),
+        };
+        products.push(Mat::from_fn(40, 5, value).as_ref());
+        let chosen = Screen::of(&products).stepwise(&[&[0], &[1], &[2], &[3]]).expect("finite");
+        assert_eq!(chosen, [2, 0]);
+    }
 }
