@@ -72,7 +72,7 @@ pub fn against(document: &Document, simulated: &Document) -> Result<Document, Er
 ///
 /// # Errors
 ///
-/// As [`against`].
+/// As [`against`]; a simulation whose readings are those of the document.
 pub fn pairs(document: &Document, simulated: &Document) -> Result<Document, Error> {
     let mut changed = matched(document, simulated)?;
     (changed.calibration, changed.model) = (None, None);
@@ -85,6 +85,13 @@ pub fn pairs(document: &Document, simulated: &Document) -> Result<Document, Erro
             let (Some(reference), Some(_)) = (reference, recording.column(&name)) else { continue };
             let values = column(simulated, (&format!("recordings[{index}]"), recording), &name)?;
             let Some(test) = recording.columns.get_mut(&name) else { continue };
+            if test[..] == *values {
+                return Err(Error::document(
+                    format!("recordings[{index}].columns.{name}"),
+                    "the readings of the simulation that --against names",
+                    "readings of an instrument, and a simulation of them",
+                ));
+            }
             let both = reference.iter().zip(values);
             test.iter_mut().zip(both).for_each(|(test, (reference, value))| *test += reference - value);
         }

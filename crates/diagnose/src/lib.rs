@@ -227,7 +227,7 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     let mut notes = Vec::new();
     if pairs > 0 {
         match beside::pairs(&mut document, options, told) {
-            Ok(entry) => entries.push(entry),
+            Ok(entry) => entries.push(all_considered(entry, options)),
             Err(error) if alone => return Err(error),
             Err(error) => {
                 notes.push(format!("note: nothing is said of the instruments side by side: {error}"))
@@ -236,13 +236,25 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     }
     if !alone {
         let entry = match beside::magnitude(&mut document, options, told)? {
-            Some(entry) => entry,
+            Some(entry) => all_considered(entry, options),
             None => campaign(&mut document, options, told)?,
         };
         entries.push(Diagnosis { reasons: [entry.reasons, notes].concat(), ..entry });
     }
     document.diagnosis = Some(entries);
     Ok(document)
+}
+
+/// Says that no effect was left out beside another instrument.
+fn all_considered(mut entry: Diagnosis, options: &Options) -> Diagnosis {
+    if !options.without.is_empty() {
+        let names: Vec<&str> = options.without.iter().map(|kind| kind.name()).collect();
+        entry.reasons.push(format!(
+            "note: --without {} leaves nothing out beside another instrument: remove the column that it follows from the recording",
+            names.join(" ")
+        ));
+    }
+    entry
 }
 
 /// All recordings but those of instruments side by side, against the model.

@@ -140,6 +140,25 @@ fn a_pair_is_held_against_a_simulation() {
 }
 
 #[test]
+fn a_simulation_that_is_the_recording_is_refused() {
+    let options = Options { against: Some(loaded()), ..Options::default() };
+    let error = diagnose::run(loaded(), &options).expect_err("a copy");
+    assert!(error.to_string().contains("the readings of the simulation that --against names"), "{error}");
+}
+
+#[test]
+fn what_is_left_out_without_effect_is_told() {
+    let options = Options { without: vec![physics::Kind::StrayCurrent], ..Options::default() };
+    let entry =
+        diagnose::run(loaded(), &options).expect("diagnosed").diagnosis.expect("a diagnosis").remove(0);
+    assert!(
+        entry.reasons.iter().any(|reason| reason.contains("--without stray_current")),
+        "{:?}",
+        entry.reasons
+    );
+}
+
+#[test]
 fn a_pair_beside_other_recordings_has_an_answer_of_its_own() {
     let mut document =
         Document::parse(&testkit::read_fixture("diagnose/warm/input.json")).expect("a document");
