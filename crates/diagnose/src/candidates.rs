@@ -236,7 +236,17 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
             Acts::OneCoil => {
                 all.extend(Axis::ALL.into_iter().filter(|a| model.drives(*a)).map(|a| one(Some(a), None)));
             }
-            Acts::Everything => all.push(one(None, None)),
+            Acts::Everything => {
+                all.push(one(None, None));
+                // A clock may be set anew for each recording.
+                let timed = model.observed.runs.iter().filter(|run| run.time_s.is_some());
+                let recordings = timed.map(|run| Some(run.recording.id.clone()));
+                let recordings: Vec<_> = recordings.filter(|_| kind == Kind::ClockOffset).collect();
+                if recordings.len() > 1 {
+                    let in_one = |recording| EffectInstance { recording, ..one(None, None) };
+                    all.extend(recordings.into_iter().map(in_one));
+                }
+            }
             Acts::WithColumn => {
                 let unit = if kind == Kind::StrayCurrent { "_a" } else { "_hz" };
                 let columns = generic::housekeeping(model).into_iter().filter(|name| name.ends_with(unit));
@@ -249,7 +259,7 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
             other.kind == effect.kind
                 && other.axis == effect.axis
                 && other.column == effect.column
-                && other.recording.is_none()
+                && other.recording == effect.recording
         })
     };
     all.retain(|effect| !there(effect));

@@ -246,6 +246,6 @@ fn moment(
             column.what.clone()
         }
     };
-    let p = at_least_one(rest.p(exact.gain / scatter, exact.rank), looks);
+    let p = at_least_one(rest.p_of_event(exact.gain, scatter, exact.rank), looks);
     Ok(Some(Proposal { name, addition, p, gain: exact.gain, looks, local: true }))
 }

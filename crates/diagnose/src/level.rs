@@ -36,6 +36,13 @@ impl Rest {
         f_p(gain / rank / (left / freedom), rank, freedom)
     }
 
+    /// The same of an event, which is significant against the scatter of its own series.
+    pub fn p_of_event(&self, gain: f64, scatter: f64, rank: usize) -> f64 {
+        let left = self.sum_of_squares - gain;
+        let (gain, left) = (gain / scatter, (left / scatter).max(left.min(self.freedom)));
+        Self { sum_of_squares: gain + left, ..*self }.p(gain, rank)
+    }
+
     /// ln of the likelihood at a sum of squares over that at another, the size of the noise averaged out
     /// where it is not known.
     pub fn log_likelihood(&self, whole: f64, left: f64) -> f64 {

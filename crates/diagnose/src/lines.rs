@@ -77,18 +77,26 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let Some((p, frequency, number, step, gain)) = best else { return (None, Vec::new()) };
     let p = at_least_one(p, looks);
     let line = Line { recording: observed.runs[number].recording.id.clone(), frequency_hz: frequency, p };
-    let named = aliases(frequency, 1.0 / step).into_iter().map(|(kind, f)| {
-        let mut parameters = vec![0.0; 7];
-        parameters[6] = f;
-        let effect = EffectInstance::new(kind, None, parameters);
-        Proposal {
-            name: kind.name().into(),
-            addition: Addition::Effect(effect),
-            p,
-            gain,
-            looks,
-            local: false,
-        }
+    let mut sources = aliases(frequency, 1.0 / step);
+    if sources.is_empty() {
+        sources.push((Kind::PeriodicField, frequency));
+    }
+    let timed = observed.runs.iter().filter(|run| run.time_s.is_some()).count();
+    // In all recordings, or while a machine runs in one.
+    let places = [None, Some(line.recording.clone())];
+    let named = sources.iter().flat_map(|(kind, f)| {
+        let place = |recording: &Option<String>| {
+            let effect = EffectInstance {
+                recording: recording.clone(),
+                ..EffectInstance::new(*kind, None, [vec![0.0; 6], vec![*f]].concat())
+            };
+            let name = match recording {
+                Some(recording) => format!("{} in \"{recording}\"", kind.name()),
+                None => kind.name().into(),
+            };
+            Proposal { name, addition: Addition::Effect(effect), p, gain, looks, local: false }
+        };
+        places.iter().take(timed).map(place).collect::<Vec<_>>()
     });
     let named = named.collect();
     (Some(line), named)

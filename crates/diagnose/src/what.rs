@@ -28,7 +28,10 @@ impl What {
     /// Its name with its target.
     pub fn name(&self) -> String {
         match self {
-            What::Physics(effect) => named(effect),
+            What::Physics(effect) => match &effect.recording {
+                Some(recording) => format!("{} in \"{recording}\"", named(effect)),
+                None => named(effect),
+            },
             What::Dependence { column, axis } => format!("dependence of {axis} on {column}"),
             What::Smooth { covariate, axis } => format!("{axis} with {covariate}"),
         }

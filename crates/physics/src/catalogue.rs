@@ -83,6 +83,7 @@ catalogue![
     OffCentre,
     Mains,
     TractionPower,
+    PeriodicField,
     VehiclePass,
     WorkingHours,
     MeasuredTilt,

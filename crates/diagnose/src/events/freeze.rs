@@ -79,6 +79,6 @@ pub fn proposal(
         ..EffectInstance::new(Kind::Dropout, Some(axis), parameters)
     };
     let gain = fitter.gain_as_it_is(fit, &effect)?;
-    let p = at_least_one(rest.p(gain / all[number].scatter, 1), looks);
+    let p = at_least_one(rest.p_of_event(gain, all[number].scatter, 1), looks);
     Ok((gain > 0.0).then(|| Proposal::event(effect, &run.recording.id, p, gain, looks)))
 }

@@ -73,7 +73,7 @@ pub fn proposal(
     let scatter = own.map(|(_, departures)| departures.scatter).fold(1.0, f64::max);
     let effect = still(Some(observed.runs[number].recording.id.clone()), time_s, duration_s);
     let (effect, gain, rank) = fitted(fitter, fit, &effect)?;
-    let p = at_least_one(rest.p(gain / scatter, rank), looks);
+    let p = at_least_one(rest.p_of_event(gain, scatter, rank), looks);
     Ok(Some(Proposal::event(effect, &observed.runs[number].recording.id, p, gain, looks)))
 }
 

@@ -26,7 +26,9 @@ pub(super) fn detectable(
     let mut all = Vec::new();
     for (number, candidate) in searcher.candidates().iter().enumerate() {
         let What::Physics(effect) = &candidate.what else { continue };
-        if outcome.fit.state.effects.iter().any(|other| named(other) == named(effect)) {
+        if effect.recording.is_some()
+            || outcome.fit.state.effects.iter().any(|other| named(other) == named(effect))
+        {
             continue;
         }
         let amplitudes: Vec<&str> = effect

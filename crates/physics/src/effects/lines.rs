@@ -74,3 +74,13 @@ line!(
     15.0,
     18.0
 );
+
+line!(
+    PeriodicField,
+    "periodic_field",
+    "Field of one frequency, whatever makes it.",
+    "periodic field of an unknown source",
+    "A machine, a power supply or a converter nearby makes a field of one frequency; a slow logger shows it at an alias, which does not say which.",
+    1e-6,
+    1e4
+);

@@ -34,7 +34,7 @@ pub use hysteresis::{Hysteresis, Perming};
 pub use inflection::OffsetTemperatureInflection;
 pub use iron::{HardIron, SoftIron};
 pub use leakage::NullingLeakage;
-pub use lines::{Mains, TractionPower};
+pub use lines::{Mains, PeriodicField, TractionPower};
 pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
 pub use sites::{InductionDifference, MeasuredTilt, PillarGradient, PillarSettling, PillarTilt};
 pub use spacecraft::{ReactionWheel, ReactionWheelHarmonic, StrayCurrent};
