@@ -17,6 +17,8 @@ const SHORTEST: usize = 24;
 const OVERSAMPLED: usize = 3;
 /// Periods that the recording must hold.
 const PERIODS: f64 = 4.0;
+/// Periods that a recording must hold of a line that is no power supply's: fewer follow a drive that is repeated.
+const CYCLES: f64 = 30.0;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
 const MAINS_HZ: [f64; 12] =
     [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];
@@ -77,8 +79,9 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let Some((p, frequency, number, step, gain)) = best else { return (None, Vec::new()) };
     let p = at_least_one(p, looks);
     let line = Line { recording: observed.runs[number].recording.id.clone(), frequency_hz: frequency, p };
+    let length_s = observed.runs[number].time_s.map_or(0.0, |time| time[time.len() - 1] - time[0]);
     let mut sources = aliases(frequency, 1.0 / step);
-    if sources.is_empty() {
+    if sources.is_empty() && frequency > CYCLES / length_s {
         sources.push((Kind::PeriodicField, frequency));
     }
     let timed = observed.runs.iter().filter(|run| run.time_s.is_some()).count();

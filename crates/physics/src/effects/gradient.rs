@@ -2,34 +2,56 @@ use super::prelude::*;
 use crate::Basic;
 use common::Axis;
 
-/// A coil's field changes linearly away from its centre. Along the coil's axis n by g, across it by −g/2 (the
-/// field of an axisymmetric coil has no sources): ΔB(p) = B_c g (3 n (n·p) − p)/2, p in GEO, g in ppm/m.
-fn gradient_field<T: Real>(n: &Vector3<T>, p: &Vector3<T>) -> Vector3<T> {
-    let along = n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
-    (n * (along * 3.0) - p) * T::from(0.5)
+/// Components of the gradient of a coil that is the same all around its axis.
+const AXISYMMETRIC: [f64; 5] = [1.0, 0.0, 0.0, 0.0, 0.0];
+
+fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// m·R ΔB: what the sensor at the place p (SEN, m) sees of it, for a coil field of one.
+/// A coil's field of one changes linearly away from its centre, without sources and curl: by five components
+/// g, with n the coil's axis and u, v across it (from the nominal axes that follow it),
+///
+/// ```text
+/// ΔB(p) = g₁ (3 n (n·p) − p)/2 + g₂ (n (u·p) + u (n·p)) + g₃ (n (v·p) + v (n·p))
+///         + g₄ (u (u·p) − v (v·p)) + g₅ (u (v·p) + v (u·p)),
+/// ```
+///
+/// p in GEO. The first alone is that of a coil that is the same all around its axis.
+fn gradient_field<T: Real>(n: &Vector3<T>, coil: Axis, g: &[T], p: &Vector3<T>) -> Vector3<T> {
+    let along = dot(n, p);
+    let next = (coil.index() + 1) % 3;
+    let across = Vector3::from_fn(|k, _| T::from(f64::from(u8::from(k == next))) - n[k] * n[next]);
+    let u = across * dot(&across, &across).sqrt().recip();
+    let v = n.cross(&u);
+    let (first, second) = (dot(&u, p), dot(&v, p));
+    (n * (along * 3.0) - p) * (g[0] * 0.5)
+        + (n * first + u * along) * g[1]
+        + (n * second + v * along) * g[2]
+        + (u * first - v * second) * g[3]
+        + (u * second + v * first) * g[4]
+}
+
+/// m·R ΔB: what the sensor at the place p (SEN, m) sees of a gradient g, for a coil field of one.
 fn seen<T: Real>(
     basic: &Basic<T>,
     context: &Context<'_>,
     row: usize,
-    coil: Axis,
+    (coil, g): (Axis, &[T]),
     sensor: Axis,
     p: &Vector3<T>,
 ) -> T {
     let rotation = context.rotation(row).map(T::from);
     let n = basic.eta.column(coil.index()).into_owned();
-    let added = rotation * gradient_field(&n, &(rotation.transpose() * p));
-    let m = basic.mu.column(sensor.index());
-    m[0] * added[0] + m[1] * added[1] + m[2] * added[2]
+    let added = rotation * gradient_field(&n, coil, g, &(rotation.transpose() * p));
+    dot(&basic.mu.column(sensor.index()).into_owned(), &added)
 }
 
 /// The same for every row: worked out once where the block does not turn within the recording.
 fn seen_by_row<T: Real>(
     basic: &Basic<T>,
     context: &Context<'_>,
-    coil: Axis,
+    coil: (Axis, &[T]),
     sensor: Axis,
     p: &Vector3<T>,
 ) -> impl Fn(usize) -> T {
@@ -48,12 +70,19 @@ impl Effect for CoilGradient {
         title: "coil field differs between the sensors' positions",
         physics: "The coil's field changes across the test volume, and the sensors are not all at its centre; what \
             each sees turns with the block.",
-        equation: "dB = m . R (3 n (n.p) - p) B_c g 1e-6 / 2, p = R^T position of the sensor",
-        source: "NASA CR-156638, minimise calibration coil gradients; divergence-free field of an axisymmetric coil",
+        equation: "dB = m . R G p B_c 1e-6, p = R^T position of the sensor, G of five components without sources and curl, \
+            the first (3 n n^T - 1) g / 2",
+        source: "NASA CR-156638, minimise calibration coil gradients; field of a coil without sources and curl, to first order",
         place: Place::Facility,
         stage: Stage::Sensor,
         acts: Acts::OneCoil,
-        parameters: &[ParameterInfo::amplitude("gradient_ppm_per_m", 1.0, 5000.0)],
+        parameters: &[
+            ParameterInfo::amplitude("gradient_ppm_per_m", 1.0, 5000.0),
+            ParameterInfo::amplitude("gradient_nu_ppm_per_m", 1.0, 5000.0).or_zero(),
+            ParameterInfo::amplitude("gradient_nv_ppm_per_m", 1.0, 5000.0).or_zero(),
+            ParameterInfo::amplitude("gradient_uu_ppm_per_m", 1.0, 5000.0).or_zero(),
+            ParameterInfo::amplitude("gradient_uv_ppm_per_m", 1.0, 5000.0).or_zero(),
+        ],
         needs: &["instrument.positions_m"],
     };
 
@@ -64,9 +93,9 @@ impl Effect for CoilGradient {
         })?;
         for sensor in Axis::ALL {
             let p = positions[sensor.index()].map(T::from);
-            let seen = seen_by_row(around.basic, context, around.axis, sensor, &p);
+            let seen = seen_by_row(around.basic, context, (around.axis, parameters), sensor, &p);
             for (row, (value, coil)) in signal.iter_mut().zip(around.coil_nt).enumerate() {
-                let strength = coil[around.axis.index()] * parameters[0] * 1e-6;
+                let strength = coil[around.axis.index()] * 1e-6;
                 value[sensor.index()] += seen(row) * strength;
             }
         }
@@ -105,9 +134,10 @@ impl Effect for OffCentre {
             return Err(context.missing(Self::ABOUT.name, what));
         }
         let p = Vector3::from_column_slice(parameters);
+        let g = AXISYMMETRIC.map(T::from);
         for coil in Axis::ALL {
             for sensor in Axis::ALL {
-                let seen = seen_by_row(around.basic, context, coil, sensor, &p);
+                let seen = seen_by_row(around.basic, context, (coil, &g), sensor, &p);
                 for (row, value) in signal.iter_mut().enumerate() {
                     let strength = gradient[coil.index()] * context.current_a[row][coil.index()];
                     if strength != 0.0 {
@@ -124,11 +154,12 @@ impl Effect for OffCentre {
 /// places (`instrument.positions_m`): a part of the basic chain, in nT along each sensor.
 pub fn add_known_gradient<T: Real>(basic: &Basic<T>, context: &Context<'_>, signal: &mut [Vector3<T>]) {
     let Some(positions) = &context.positions_m else { return };
+    let g = AXISYMMETRIC.map(T::from);
     for coil in Axis::ALL {
         let gradient = context.gradient_nt_per_m_a[coil.index()];
         for sensor in Axis::ALL.into_iter().filter(|_| gradient != 0.0) {
             let p = positions[sensor.index()].map(T::from);
-            let seen = seen_by_row(basic, context, coil, sensor, &p);
+            let seen = seen_by_row(basic, context, (coil, &g), sensor, &p);
             for (row, value) in signal.iter_mut().enumerate() {
                 value[sensor.index()] += seen(row) * (gradient * context.current_a[row][coil.index()]);
             }

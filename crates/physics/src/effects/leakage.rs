@@ -1,7 +1,8 @@
 use super::prelude::*;
 use crate::memory::{Before, Signal};
 
-/// ΔB = g ∘ L in GEO, τ dL/dt = U − L, U the station's variation about its mean.
+/// ΔB = g ∘ L + f ∘ (U − L) in GEO, τ dL/dt = U − L, U the station's variation about its mean: g leaks of slow
+/// variations, f of fast ones.
 pub struct NullingLeakage;
 
 impl Effect for NullingLeakage {
@@ -10,7 +11,7 @@ impl Effect for NullingLeakage {
         title: "natural variations leak through the nulling",
         physics: "The loop that cancels Earth's field senses it elsewhere and late, and a share of each variation is \
             left at the sensors.",
-        equation: "dB_geo = g U_lag 1e-6, tau dU_lag/dt = U - U_lag, U = outside - its mean, per axis",
+        equation: "dB_geo = (g U_lag + f (U - U_lag)) 1e-6, tau dU_lag/dt = U - U_lag, U = outside - its mean, per axis",
         source: "NASA CR-156638, test of the Earth field nulling system",
         place: Place::Facility,
         stage: Stage::Geo,
@@ -20,6 +21,9 @@ impl Effect for NullingLeakage {
             ParameterInfo::amplitude("east_ppm", 100.0, 200_000.0),
             ParameterInfo::amplitude("down_ppm", 100.0, 200_000.0),
             ParameterInfo::shape("lag_s", 0.01, 1000.0),
+            ParameterInfo::amplitude("fast_north_ppm", 100.0, 200_000.0).or_zero(),
+            ParameterInfo::amplitude("fast_east_ppm", 100.0, 200_000.0).or_zero(),
+            ParameterInfo::amplitude("fast_down_ppm", 100.0, 200_000.0).or_zero(),
         ],
         needs: &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"],
     };
@@ -34,9 +38,12 @@ impl Effect for NullingLeakage {
             let known = outside.iter().filter(|value| value.is_finite());
             let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
             let mean = if count > 0.0 { sum / count } else { 0.0 };
-            let variation = Signal::new(time, outside.iter().map(|value| T::from(value - mean)).collect());
-            for (field, leaked) in signal.iter_mut().zip(variation.lagged(parameters[3], Before::Moving)) {
-                field[axis.index()] += leaked * parameters[axis.index()] * 1e-6;
+            let variation: Vec<T> = outside.iter().map(|value| T::from(value - mean)).collect();
+            let slow = Signal::new(time, variation.clone()).lagged(parameters[3], Before::Moving);
+            let [of_slow, of_fast] = [parameters[axis.index()], parameters[4 + axis.index()]];
+            for ((field, all), slow) in signal.iter_mut().zip(variation).zip(slow) {
+                let fast = if all.re().is_finite() { all - slow } else { T::from(0.0) };
+                field[axis.index()] += (slow * of_slow + fast * of_fast) * 1e-6;
             }
         }
         if found { Ok(()) } else { Err(context.missing(Self::ABOUT.name, "a column `outside_{x,y,z}_nt`")) }
