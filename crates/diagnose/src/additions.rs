@@ -98,10 +98,16 @@ pub fn additions(model: &Model<'_>, thing: &Thing, shape: &Shape, coefficients: 
             let searched = searched(effect.kind);
             let shape = shape.value;
             let mut sizes = coefficients.iter();
+            let sized = effect.kind.parameters().iter().any(|info| info.role == Role::Amplitude);
             for (k, info) in effect.kind.parameters().iter().enumerate() {
                 match (info.role, shape) {
                     (Role::Amplitude, _) => effect.parameters[k] = sizes.next().copied().unwrap_or(0.0),
-                    (_, Some(value)) if Some(k) == searched => effect.parameters[k] = value,
+                    (_, Some(value)) if Some(k) == searched => {
+                        // What is a little late does as much as it is late.
+                        let late = !sized && info.name.ends_with("_s");
+                        let times = coefficients.first().filter(|_| late).map_or(1.0, |c| c.abs());
+                        effect.parameters[k] = value * times;
+                    }
                     _ => {}
                 }
             }

@@ -96,7 +96,8 @@ impl Atom {
         match (&self.thing, &other.thing) {
             (Thing::Effect(own), Thing::Effect(other)) => {
                 own.kind.simpler() == Some(other.kind)
-                    && (own.axis, &own.column) == (other.axis, &other.column)
+                    && (own.axis, &own.column, &own.recording)
+                        == (other.axis, &other.column, &other.recording)
             }
             _ => false,
         }
