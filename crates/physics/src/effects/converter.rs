@@ -89,7 +89,10 @@ impl Effect for DifferentialNonlinearity {
     }
 }
 
-/// y = M / (1 + (M/L)⁸)^(1/8), M = B − O: the reading approaches ±L smoothly.
+/// Share of the level below which nothing saturates.
+const NOTHING: f64 = 1e-6;
+
+/// y = M / (1 + |M/L|^s)^(1/s), M = B − O: the reading approaches ±L smoothly, the more sharply the larger s.
 pub struct Saturation;
 
 impl Effect for Saturation {
@@ -97,12 +100,15 @@ impl Effect for Saturation {
         name: "saturation",
         title: "reading saturates near the end of the range",
         physics: "The feedback runs out of current near the end of the range, and the reading flattens.",
-        equation: "dB = M / (1 + (M / L)^8)^(1/8) - M, M = B - O",
+        equation: "dB = M / (1 + |M / L|^s)^(1/s) - M, M = B - O",
         source: SOURCE,
         place: Place::Electronics,
         stage: Stage::Converter,
         acts: Acts::OneSensor,
-        parameters: &[ParameterInfo::shape("level_nt", 30_000.0, 200_000.0)],
+        parameters: &[
+            ParameterInfo::shape("level_nt", 30_000.0, 200_000.0),
+            ParameterInfo { absent: Some(8.0), ..ParameterInfo::shape("sharpness", 2.0, 16.0) },
+        ],
         needs: &[],
     };
 
@@ -111,8 +117,11 @@ impl Effect for Saturation {
         for value in signal {
             let own = &mut value[around.axis.index()];
             let reading = *own - offset;
-            let eighth_power = (reading / parameters[0]).powi(8) + 1.0;
-            *own = offset + reading / eighth_power.sqrt().sqrt().sqrt();
+            let share = if reading.re() < 0.0 { -reading } else { reading } / parameters[0];
+            if share.re() > NOTHING {
+                let power = (share.ln() * parameters[1]).exp() + 1.0;
+                *own = offset + reading * (power.ln() / -parameters[1]).exp();
+            }
         }
         Ok(())
     }
