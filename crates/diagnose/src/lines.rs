@@ -18,7 +18,7 @@ const OVERSAMPLED: usize = 3;
 /// Periods that the recording must hold.
 const PERIODS: f64 = 4.0;
 /// Periods that a recording must hold of a line that is no power supply's: fewer follow a drive that is repeated.
-const CYCLES: f64 = 30.0;
+const CYCLES: f64 = 10.0;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
 const MAINS_HZ: [f64; 12] =
     [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];

@@ -420,8 +420,11 @@ struct Slot<'r> {
 
 impl<'r> Slot<'r> {
     fn of(atoms: &Atoms<'_>, ranked: &'r [Set], weights: &[f64], (best, atom): (&Set, usize)) -> Self {
-        // A fuller form that is not needed says the same.
-        let says = |own: usize, atom: usize| own == atom || atoms.all[own].is_fuller(&atoms.all[atom]);
+        // A fuller form that is not needed says the same, and so does one that is left open.
+        let says = |own: usize, atom: usize| {
+            let (own, atom) = (&atoms.all[own], &atoms.all[atom]);
+            std::ptr::eq(own, atom) || own.is_fuller(atom) || atom.is_open_form(own)
+        };
         let holds = |set: &Set, atom: usize| set.members.iter().any(|member| says(member.atom, atom));
         let mut left: Vec<(&'r Set, f64)> =
             ranked.iter().zip(weights.iter().copied()).filter(|(set, _)| !holds(set, atom)).collect();
