@@ -16,7 +16,7 @@ use crate::what::What;
 
 /// Shapes that are tried: each so many times the one before, at most.
 const RATIO: f64 = 2.5;
-/// The same for effects without amplitude, whose size is their shape, to the power of nine for saturation:
+/// The same for effects without amplitude, whose size is their shape, to a power of five to nine for saturation:
 /// from one trial to the next it grows by less than the range in which a coefficient is about one.
 const FINE_RATIO: f64 = 1.25;
 /// Most shapes of a candidate.

@@ -107,7 +107,7 @@ impl Effect for Saturation {
         acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::shape("level_nt", 30_000.0, 200_000.0),
-            ParameterInfo { absent: Some(8.0), ..ParameterInfo::shape("sharpness", 2.0, 16.0) },
+            ParameterInfo { absent: Some(8.0), ..ParameterInfo::shape("sharpness", 3.0, 16.0) },
         ],
         needs: &[],
     };

@@ -166,7 +166,11 @@ fn the_converter_gets_the_field_less_the_offset() {
     assert_adds(document.clone(), bit, &[[0.3, 0.0, 0.0], [0.3 * phase.sin() + 0.1 * phase.cos(), 0.0, 0.0]]);
     let end = json!({"effect": "saturation", "sensor": "x", "parameters": {"level_nt": 60_004}});
     let half = 60_004.0 * (1.0 - 0.5f64.powf(0.125));
-    assert_adds(document, end, &[[0.0; 3], [half, 0.0, 0.0]]);
+    assert_adds(document.clone(), end, &[[0.0; 3], [half, 0.0, 0.0]]);
+    let soft =
+        json!({"effect": "saturation", "sensor": "x", "parameters": {"level_nt": 60_004, "sharpness": 4}});
+    // The first reading is by 23.3 (23.3/60 004)⁴/4 nT too small.
+    assert_adds(document, soft, &[[0.0; 3], [60_004.0 * (1.0 - 0.5f64.powf(0.25)), 0.0, 0.0]]);
 }
 
 #[test]
@@ -236,6 +240,10 @@ fn a_gradient_along_the_axis_is_minus_twice_that_across() {
     // 50 000 nT · 100 ppm/m = 5 nT/m along z: +1 nT at 0.2 m; −2.5 nT/m across: −0.25 nT at 0.1 m; y sees
     // nothing of its own axis.
     assert_adds(with(positions.clone(), json!({})), gradient, &[[-0.25, 0.0, 1.0]]);
+    // u is north and v east: along u as u, 0.5 nT at 0.1 m; along v as n, 1.5 nT at 0.3 m.
+    let further = json!({"effect": "coil_gradient", "coil": "z", "parameters": {"gradient_ppm_per_m": 0,
+        "gradient_nv_ppm_per_m": 100, "gradient_uu_ppm_per_m": 100}});
+    assert_adds(with(positions.clone(), json!({})), further, &[[0.5, 1.5, 0.0]]);
     // The block 0.2 m too low in a coil of 0.1 nT/(m A).
     let known = json!({"coils": {"z": {"gradient_nt_per_m_a": 0.1}}});
     let off = json!({"effect": "off_centre", "parameters": {"x_m": 0, "y_m": 0, "z_m": 0.2}});
@@ -258,6 +266,8 @@ fn lines_at_their_phase_and_their_mean() {
     };
     let mains = json!({"effect": "mains", "parameters": parameters(50.0)});
     assert_adds(quarter(json!({})), mains.clone(), &[[2.0, 4.0, 6.0], [1.0, 3.0, 5.0]]);
+    let any = json!({"effect": "periodic_field", "parameters": parameters(50.0)});
+    assert_adds(quarter(json!({})), any, &[[2.0, 4.0, 6.0], [1.0, 3.0, 5.0]]);
     // The mean over half a period is 2/π of it.
     let left = 2.0 / std::f64::consts::PI;
     assert_adds(
@@ -449,6 +459,15 @@ fn a_missing_sample_leaves_its_neighbours_alone() {
             }
         }
     }
+}
+
+/// Where as much leaks of fast variations as of slow ones, the lag is nothing.
+#[test]
+fn slow_and_fast_variations_leak() {
+    let outside = bench(json!({"time_s": [0, 10], "coil_x_a": [0, 0], "outside_x_nt": [0, 10]}), json!({}));
+    let leaks = json!({"effect": "nulling_leakage", "parameters": {"north_ppm": 1e5, "east_ppm": 0, "down_ppm": 0,
+        "lag_s": 7, "fast_north_ppm": 1e5}});
+    assert_adds(outside, leaks, &[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
 }
 
 #[test]
