@@ -19,6 +19,8 @@ const OVERSAMPLED: usize = 3;
 const PERIODS: f64 = 4.0;
 /// Periods that a recording must hold of a line that is no power supply's: fewer follow a drive that is repeated.
 const CYCLES: f64 = 10.0;
+/// Share of what is left that such a line is: a smaller one is a part of something else.
+const MOST: f64 = 0.8;
 /// Nominal frequencies of power supplies and their harmonics, Hz.
 const MAINS_HZ: [f64; 12] =
     [50.0, 60.0, 100.0, 120.0, 150.0, 180.0, 200.0, 240.0, 250.0, 300.0, 350.0, 360.0];
@@ -81,7 +83,11 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let line = Line { recording: observed.runs[number].recording.id.clone(), frequency_hz: frequency, p };
     let length_s = observed.runs[number].time_s.map_or(0.0, |time| time[time.len() - 1] - time[0]);
     let mut sources = aliases(frequency, 1.0 / step);
-    if sources.is_empty() && frequency > CYCLES / length_s {
+    // What is beyond the noise; all, where nobody declared it.
+    let beyond =
+        if rest.known > 0.0 { rest.sum_of_squares - rest.freedom } else { 0.5 * rest.sum_of_squares };
+    let alone = gain > MOST * beyond && frequency > CYCLES / length_s;
+    if sources.is_empty() && alone {
         sources.push((Kind::PeriodicField, frequency));
     }
     let timed = observed.runs.iter().filter(|run| run.time_s.is_some()).count();

@@ -420,14 +420,15 @@ struct Slot<'r> {
 
 impl<'r> Slot<'r> {
     fn of(atoms: &Atoms<'_>, ranked: &'r [Set], weights: &[f64], (best, atom): (&Set, usize)) -> Self {
-        // A fuller form that is not needed says the same, and so does one that is left open.
-        let says = |own: usize, atom: usize| {
-            let (own, atom) = (&atoms.all[own], &atoms.all[atom]);
-            std::ptr::eq(own, atom) || own.is_fuller(atom) || atom.is_open_form(own)
-        };
+        // A fuller form that is not needed says the same, and of the name itself one that is left open.
+        let says = |own: usize, atom: usize| own == atom || atoms.all[own].is_fuller(&atoms.all[atom]);
         let holds = |set: &Set, atom: usize| set.members.iter().any(|member| says(member.atom, atom));
+        let open = |set: &Set| {
+            set.members.iter().any(|member| atoms.all[atom].is_open_form(&atoms.all[member.atom]))
+        };
+        let lacks = |set: &Set| !holds(set, atom) && !open(set);
         let mut left: Vec<(&'r Set, f64)> =
-            ranked.iter().zip(weights.iter().copied()).filter(|(set, _)| !holds(set, atom)).collect();
+            ranked.iter().zip(weights.iter().copied()).filter(|(set, _)| lacks(set)).collect();
         let probability = 1.0 - left.iter().map(|(_, weight)| weight).sum::<f64>();
         let mut together = probability;
         let mut equal = Vec::new();

@@ -70,8 +70,9 @@ impl Effect for CoilGradient {
         title: "coil field differs between the sensors' positions",
         physics: "The coil's field changes across the test volume, and the sensors are not all at its centre; what \
             each sees turns with the block.",
-        equation: "dB = m . R G p B_c 1e-6, p = R^T position of the sensor, G of five components without sources and curl, \
-            the first (3 n n^T - 1) g / 2",
+        equation: "dB = m . R G p B_c 1e-6, p = R^T position of the sensor, G = g (3 n n^T - 1) / 2 \
+            + g_nu (n u^T + u n^T) + g_nv (n v^T + v n^T) + g_uu (u u^T - v v^T) + g_uv (u v^T + v u^T), u and v the \
+            axes that follow n",
         source: "NASA CR-156638, minimise calibration coil gradients; field of a coil without sources and curl, to first order",
         place: Place::Facility,
         stage: Stage::Sensor,

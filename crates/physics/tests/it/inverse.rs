@@ -74,7 +74,7 @@ fn a_reading_beyond_saturation_is_said_to_have_no_field() {
     let references = References::of(&document);
     let context = Context::new(&document, &document.recordings[0], references).expect("a context");
     let basic = Basic::of(&document, Unit::Volt);
-    let effects = [effect(Kind::Saturation, Some(Axis::X), &[52_000.0])];
+    let effects = [effect(Kind::Saturation, Some(Axis::X), &[52_000.0, 8.0])];
     let mut readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
     let truth = physics::predict(&basic, &effects, &context).expect("predicted").field_sen;
     readings[7].x = 52_010.0 / 6400.0;
