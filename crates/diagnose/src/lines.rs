@@ -6,6 +6,7 @@
 use estimate::sine::{Series, Strongest, strongest};
 use physics::{EffectInstance, Kind};
 
+use crate::algebra::square;
 use crate::channel::Reader;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
@@ -83,9 +84,11 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let line = Line { recording: observed.runs[number].recording.id.clone(), frequency_hz: frequency, p };
     let length_s = observed.runs[number].time_s.map_or(0.0, |time| time[time.len() - 1] - time[0]);
     let mut sources = aliases(frequency, 1.0 / step);
-    // What is beyond the noise; all, where nobody declared it.
-    let beyond =
-        if rest.known > 0.0 { rest.sum_of_squares - rest.freedom } else { 0.5 * rest.sum_of_squares };
+    // What is left of the recording beyond the noise; half of it, where nobody declared that.
+    let channels = || observed.channels_of(number).filter(|channel| channel.reader != Reader::Scalar);
+    let whole: f64 = channels().map(|channel| square(&fit.white[channel.range()])).sum();
+    let rows = channels().map(|channel| channel.rows.len()).sum::<usize>() as f64;
+    let beyond = if rest.known > 0.0 { whole - rows } else { 0.5 * whole };
     let alone = gain > MOST * beyond && frequency > CYCLES / length_s;
     if sources.is_empty() && alone {
         sources.push((Kind::PeriodicField, frequency));
