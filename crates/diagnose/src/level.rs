@@ -111,3 +111,21 @@ pub fn looks_along(x: &[f64], band: f64, gain: f64) -> f64 {
     let variance = x.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / x.len() as f64;
     ((4.0 * std::f64::consts::PI * variance).sqrt() * band * (0.5 * gain).sqrt()).max(1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 4 000 readings a step makes nearly all that is left, and most of the scatter of its series with it; one
+    /// that is a hundredth of a series that scatters as much is nothing.
+    #[test]
+    fn an_event_is_not_held_against_the_scatter_that_it_makes() {
+        for known in [50.0, f64::INFINITY] {
+            let rest = |sum_of_squares| Rest { sum_of_squares, freedom: 4000.0, known };
+            assert!(rest(1.2e6).p_of_event(1.196e6, 580.0, 1) < 1e-12);
+            assert!(rest(1.2e6).p_of_event(300.0, 580.0, 1) > 0.1);
+            let [event, plain] = [rest(4100.0).p_of_event(100.0, 1.0, 1), rest(4100.0).p(100.0, 1)];
+            assert!((event / plain - 1.0).abs() < 1e-9);
+        }
+    }
+}

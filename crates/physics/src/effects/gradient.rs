@@ -5,10 +5,6 @@ use common::Axis;
 /// Components of the gradient of a coil that is the same all around its axis.
 const AXISYMMETRIC: [f64; 5] = [1.0, 0.0, 0.0, 0.0, 0.0];
 
-fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 /// A coil's field of one changes linearly away from its centre, without sources and curl: by five components
 /// g, with n the coil's axis and u, v across it (from the nominal axes that follow it),
 ///
@@ -19,12 +15,12 @@ fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
 ///
 /// p in GEO. The first alone is that of a coil that is the same all around its axis.
 fn gradient_field<T: Real>(n: &Vector3<T>, coil: Axis, g: &[T], p: &Vector3<T>) -> Vector3<T> {
-    let along = dot(n, p);
+    let along = n.dot(p);
     let next = (coil.index() + 1) % 3;
     let across = Vector3::from_fn(|k, _| T::from(f64::from(u8::from(k == next))) - n[k] * n[next]);
-    let u = across * dot(&across, &across).sqrt().recip();
+    let u = across * across.dot(&across).sqrt().recip();
     let v = n.cross(&u);
-    let (first, second) = (dot(&u, p), dot(&v, p));
+    let (first, second) = (u.dot(p), v.dot(p));
     (n * (along * 3.0) - p) * (g[0] * 0.5)
         + (n * first + u * along) * g[1]
         + (n * second + v * along) * g[2]
@@ -44,7 +40,7 @@ fn seen<T: Real>(
     let rotation = context.rotation(row).map(T::from);
     let n = basic.eta.column(coil.index()).into_owned();
     let added = rotation * gradient_field(&n, coil, g, &(rotation.transpose() * p));
-    dot(&basic.mu.column(sensor.index()).into_owned(), &added)
+    basic.mu.column(sensor.index()).dot(&added)
 }
 
 /// The same for every row: worked out once where the block does not turn within the recording.
