@@ -17,11 +17,11 @@ use crate::whitening::{NoiseModel, neighbours_std};
 /// show turn sensors by radians, and end in a minimum that is none. The last step is one that lowers the sum
 /// of squares by less than [`TOLERANCE`].
 const ITERATION: Control = Control {
-    most: 100,
+    most: 40,
     tolerance: 0.031_622_776_6,
     damping: Damping { first: 1e-4, least: LIGHTEST, from: LIGHTEST },
     raise: Tolerance { absolute: 0.0, relative: 0.0 },
-    idle: Some(Tolerance { absolute: 1e-3, relative: 1e-9 }),
+    idle: Some(Tolerance { absolute: 1e-2, relative: 1e-9 }),
     keep: true,
 };
 const LIGHTEST: f64 = 1e-10;

@@ -4,6 +4,7 @@
 use common::Axis;
 use nalgebra::Vector3;
 use physics::memory::{Before, Signal};
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 use crate::Error;
@@ -68,72 +69,76 @@ pub fn housekeeping(model: &Model<'_>) -> Vec<String> {
 
 /// All of them.
 pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
+    let fields = fields(model, state)?;
+    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| model.reads(*axis)).collect();
+    let found: Vec<Vec<Generic>> = axes.into_par_iter().map(|axis| of_sensor(model, axis, &fields)).collect();
+    Ok(found.concat())
+}
+
+/// Those of one sensor.
+fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec<Generic> {
     let mut all = Vec::new();
     let span = model.observed.span();
-    let fields = fields(model, state)?;
-    for axis in Axis::ALL.into_iter().filter(|axis| model.reads(*axis)) {
-        if let Some(span) = span {
-            let waves = (1..=WAVES)
-                .map(|k| {
-                    stack(model, axis, |run, channel| {
-                        let at = |row: &usize| half_waves(k, run, *row, span).unwrap_or(0.0);
-                        channel.rows.iter().map(at).collect()
-                    })
+    if let Some(span) = span {
+        let waves = (1..=WAVES)
+            .map(|k| {
+                stack(model, axis, |run, channel| {
+                    let at = |row: &usize| half_waves(k, run, *row, span).unwrap_or(0.0);
+                    channel.rows.iter().map(at).collect()
                 })
-                .collect();
-            all.push((What::Smooth { covariate: "time_s".into(), axis }, vec![(None, waves)]));
-        }
-        let untimed = |run: &Run<'_>| run.time_s.is_none() && run.setting.context.rows >= ROWS;
-        if model.observed.runs.iter().any(untimed) {
-            let waves = (1..=WAVES)
-                .map(|k| {
-                    stack(model, axis, |run, channel| {
-                        let turn = std::f64::consts::PI * k as f64 / run.setting.context.rows as f64;
-                        let at =
-                            |row: &usize| if untimed(run) { (turn * (*row as f64 + 0.5)).cos() } else { 0.0 };
-                        channel.rows.iter().map(at).collect()
-                    })
+            })
+            .collect();
+        all.push((What::Smooth { covariate: "time_s".into(), axis }, vec![(None, waves)]));
+    }
+    let untimed = |run: &Run<'_>| run.time_s.is_none() && run.setting.context.rows >= ROWS;
+    if model.observed.runs.iter().any(untimed) {
+        let waves = (1..=WAVES)
+            .map(|k| {
+                stack(model, axis, |run, channel| {
+                    let turn = std::f64::consts::PI * k as f64 / run.setting.context.rows as f64;
+                    let at =
+                        |row: &usize| if untimed(run) { (turn * (*row as f64 + 0.5)).cos() } else { 0.0 };
+                    channel.rows.iter().map(at).collect()
                 })
-                .collect();
-            all.push((What::Smooth { covariate: "row".into(), axis }, vec![(None, waves)]));
-        }
-        for (number, other) in Axis::ALL.into_iter().enumerate() {
-            let values = |run: usize| fields[run].iter().map(|field| field[number]).collect::<Vec<f64>>();
-            let name = if other == axis { ALONG.to_string() } else { across(other) };
-            all.extend(powers(model, axis, name, |run| Some(values(run))));
-        }
-        all.extend(with_time(model, axis, &fields, span));
-        for other in Axis::ALL {
-            all.extend(history(model, axis, other, &fields));
-        }
-        for name in KNOWN {
-            let column =
-                |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
-            all.extend(powers(model, axis, name.into(), column));
-            all.extend(thresholds(model, axis, name.into(), column));
-            if name.contains("temperature") {
-                all.extend(rate(model, axis, name));
-            }
-        }
-        for name in housekeeping(model) {
-            let lags: &[f64] = if name.ends_with("_a") { &LAGS[1..] } else { &LAGS };
-            let mut trials = Vec::new();
-            for share in lags {
-                let lag_s = share * span.map_or(0.0, |(_, length)| length);
-                let column = following(model, axis, &name, lag_s);
-                trials.push((Some(lag_s), vec![column]));
-                if span.is_none() {
-                    break;
-                }
-            }
-            let column =
-                |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
-            all.extend(powers(model, axis, name.clone(), column));
-            all.extend(thresholds(model, axis, name.clone(), column));
-            all.push((What::Dependence { column: name, axis }, trials));
+            })
+            .collect();
+        all.push((What::Smooth { covariate: "row".into(), axis }, vec![(None, waves)]));
+    }
+    for (number, other) in Axis::ALL.into_iter().enumerate() {
+        let values = |run: usize| fields[run].iter().map(|field| field[number]).collect::<Vec<f64>>();
+        let name = if other == axis { ALONG.to_string() } else { across(other) };
+        all.extend(powers(model, axis, name, |run| Some(values(run))));
+    }
+    all.extend(with_time(model, axis, fields, span));
+    for other in Axis::ALL {
+        all.extend(history(model, axis, other, fields));
+    }
+    for name in KNOWN {
+        let column = |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
+        all.extend(powers(model, axis, name.into(), column));
+        all.extend(thresholds(model, axis, name.into(), column));
+        if name.contains("temperature") {
+            all.extend(rate(model, axis, name));
         }
     }
-    Ok(all)
+    for name in housekeeping(model) {
+        let lags: &[f64] = if name.ends_with("_a") { &LAGS[1..] } else { &LAGS };
+        let mut trials = Vec::new();
+        for share in lags {
+            let lag_s = share * span.map_or(0.0, |(_, length)| length);
+            let column = following(model, axis, &name, lag_s);
+            trials.push((Some(lag_s), vec![column]));
+            if span.is_none() {
+                break;
+            }
+        }
+        let column =
+            |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
+        all.extend(powers(model, axis, name.clone(), column));
+        all.extend(thresholds(model, axis, name.clone(), column));
+        all.push((What::Dependence { column: name, axis }, trials));
+    }
+    all
 }
 
 /// The field along a sensor times half waves of time: a sensitivity that moves.
@@ -163,21 +168,11 @@ fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]
     if largest.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
         return None;
     }
+    let field = |run: usize| fields[run].iter().map(|field| field[of.index()] / largest).collect();
+    let series: Vec<Option<Vec<f64>>> = (0..fields.len()).map(|run| Some(field(run))).collect();
     let trials = PAST_ROWS.map(|rows| {
-        let column = |form: fn(f64, f64) -> f64| {
-            stack(model, axis, |run, channel| {
-                let field: Vec<f64> =
-                    fields[channel.run].iter().map(|field| field[of.index()] / largest).collect();
-                let past = match run.time_s {
-                    Some(time) => {
-                        Signal::new(time, field.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium)
-                    }
-                    None => field.clone(),
-                };
-                let at = |row: &usize| form(field[*row], field[*row] - past[*row]);
-                channel.rows.iter().map(at).map(|v| if v.is_finite() { v } else { 0.0 }).collect()
-            })
-        };
+        let past = past(model, &series, rows);
+        let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
         let columns: Vec<Stacked> = vec![
             column(|_, off| off),
             column(|b, off| b * off),
@@ -198,23 +193,43 @@ fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]
 
 /// How fast a temperature changes: by how much it is off its own past, and that times itself.
 fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
-    let column = |run: &Run<'_>| run.setting.context.optional(name).map(|c| c.to_vec());
-    model.observed.runs.iter().find(|run| run.time_s.is_some() && column(run).is_some())?;
+    let column = |run: &Run<'_>| {
+        run.time_s?;
+        run.setting.context.optional(name).map(|c| c.to_vec())
+    };
+    let series: Vec<Option<Vec<f64>>> = model.observed.runs.iter().map(column).collect();
+    series.iter().find(|series| series.is_some())?;
     let trials = PAST_ROWS.map(|rows| {
-        let of = |power: i32| {
-            stack(model, axis, |run, channel| {
-                let (Some(time), Some(values)) = (run.time_s, column(run)) else {
-                    return vec![0.0; channel.rows.len()];
-                };
-                let past =
-                    Signal::new(time, values.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium);
-                let at = |row: &usize| (values[*row] - past[*row]).powi(power);
-                channel.rows.iter().map(at).map(|v| if v.is_finite() { v } else { 0.0 }).collect()
-            })
-        };
-        (Some(rows), vec![of(1), of(2)])
+        let past = past(model, &series, rows);
+        let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
+        (Some(rows), vec![column(|_, off| off), column(|_, off| off * off)])
     });
     Some((What::Smooth { covariate: format!("the rate of {name}"), axis }, trials.to_vec()))
+}
+
+/// What series were before, by a first-order lag of some rows, in recordings with times.
+fn past(model: &Model<'_>, series: &[Option<Vec<f64>>], rows: f64) -> Vec<Option<Vec<f64>>> {
+    let of = |(run, series): (&Run<'_>, &Option<Vec<f64>>)| {
+        let (time, series) = (run.time_s?, series.as_ref()?);
+        Some(Signal::new(time, series.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium))
+    };
+    model.observed.runs.iter().zip(series).map(of).collect()
+}
+
+/// A form of series and of how much they are off their past, in the channels of one sensor.
+fn off(
+    model: &Model<'_>,
+    axis: Axis,
+    (series, past): (&[Option<Vec<f64>>], &[Option<Vec<f64>>]),
+    form: fn(f64, f64) -> f64,
+) -> Stacked {
+    stack(model, axis, |_, channel| {
+        let (Some(series), Some(past)) = (&series[channel.run], &past[channel.run]) else {
+            return vec![0.0; channel.rows.len()];
+        };
+        let at = |row: &usize| form(series[*row], series[*row] - past[*row]);
+        channel.rows.iter().map(at).map(|v| if v.is_finite() { v } else { 0.0 }).collect()
+    })
 }
 
 /// Mean time from one row to the next.

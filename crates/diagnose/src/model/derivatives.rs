@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::prediction::Seen;
 use super::state::{Model, State};
+use super::step::at_bound;
 use super::unknown::{Unknown, chain};
 use crate::Error;
 
@@ -96,15 +97,17 @@ impl Model<'_> {
     }
 
     /// Derivatives of what is predicted by the unknowns behind those of the base model at a state: effects,
-    /// columns. Shapes count by their logarithm.
+    /// columns. Shapes count by their logarithm, and not at all once they have come to a bound.
     pub fn other_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
         let mut of_effects = self.derivatives(state, &parameters)?;
         for (column, (effect, parameter)) in of_effects.iter_mut().zip(&free) {
             let instance = &state.effects[*effect];
-            if instance.kind.parameters()[*parameter].role == Role::Shape {
+            let info = &instance.kind.parameters()[*parameter];
+            if info.role == Role::Shape {
                 let value = instance.parameters[*parameter];
+                let value = if at_bound(info, value) { 0.0 } else { value };
                 column.iter_mut().for_each(|d| *d *= value);
             }
         }

@@ -1,13 +1,17 @@
 //! How great gains are by chance, when every candidate is searched over all its shapes.
 
-use faer::Mat;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_in_place_scratch};
+use faer::{Mat, Par};
 use rayon::prelude::*;
 
-use super::projection::{Part, Screen, eigen};
+use super::projection::{Part, Screen};
 use crate::{Error, stats};
 
 /// Share of the draws below which the tail of the distribution is matched.
 const MATCHED: f64 = 0.9;
+/// A share of a column's squared length that rounding makes.
+const ROUNDED: f64 = 1e-9;
 
 /// A candidate: groups of columns, one for each shape that is tried, of which the best counts.
 pub type Search = Vec<Vec<usize>>;
@@ -41,12 +45,14 @@ impl Chance {
         columns.dedup();
         let draws = draw(screen, &columns, normals)?;
         let place = |column: &usize| columns.binary_search(column).unwrap_or_default();
-        let gains: Vec<Vec<f64>> = searches
+        let (gains, ranks): (Vec<Vec<f64>>, Vec<f64>) = searches
             .par_iter()
-            .map(|search| -> Result<Vec<f64>, Error> {
+            .map(|search| -> Result<(Vec<f64>, f64), Error> {
                 let mut best = vec![0.0_f64; draws.nrows()];
+                let mut rank = 0;
                 for group in search {
                     let part = Part::of(screen, group)?;
+                    rank = rank.max(part.rank());
                     let at: Vec<usize> = group.iter().map(place).collect();
                     let picked = Mat::from_fn(draws.nrows(), at.len(), |i, j| draws[(i, at[j])]);
                     let along = picked * &part.directions;
@@ -55,17 +61,11 @@ impl Chance {
                         *best = best.max(gain);
                     }
                 }
-                Ok(best)
+                Ok((best, rank as f64))
             })
-            .collect::<Result<_, _>>()?;
-        let ranks: Vec<f64> = searches
-            .iter()
-            .map(|search| -> Result<f64, Error> {
-                let ranks: Result<Vec<usize>, Error> =
-                    search.iter().map(|group| Ok(Part::of(screen, group)?.rank())).collect();
-                Ok(ranks?.into_iter().max().unwrap_or(0) as f64)
-            })
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<_>, Error>>()?
+            .into_iter()
+            .unzip();
         let searched: Vec<f64> =
             gains
                 .iter()
@@ -80,6 +80,7 @@ impl Chance {
                 .collect();
         let mut chance = Self { ranks, looks: searched, candidates: 1.0 };
         let least: Vec<f64> = (0..draws.nrows())
+            .into_par_iter()
             .map(|i| (0..gains.len()).map(|c| chance.p(c, gains[c][i])).fold(1.0, f64::min))
             .collect();
         let negative: Vec<f64> = least.iter().map(|p| -p).collect();
@@ -138,11 +139,24 @@ fn draw(screen: &Screen, columns: &[usize], normals: &Mat<f64>) -> Result<Mat<f6
         let product = lengths[i] * lengths[j];
         if product > 0.0 { screen.product(columns[i], columns[j]) / product } else { 0.0 }
     });
-    let (values, vectors) = eigen(scaled.as_ref())?;
-    let root = Mat::from_fn(columns.len(), columns.len(), |i, k| {
-        lengths[i] * vectors[(i, k)] * values[k].max(0.0).sqrt()
-    });
-    Ok(normals.as_ref().subcols(0, columns.len()) * root.transpose())
+    let root = root(scaled)?;
+    let root = Mat::from_fn(columns.len(), root.ncols(), |i, k| lengths[i] * root[(i, k)]);
+    Ok(normals.as_ref().subcols(0, root.ncols()) * root.transpose())
+}
+
+/// A factor R of products A = R Rᵀ with as few columns as they need, by Cholesky's decomposition with pivots.
+fn root(mut products: Mat<f64>) -> Result<Mat<f64>, Error> {
+    let n = products.nrows();
+    let (mut order, mut place) = (vec![0_usize; n], vec![0_usize; n]);
+    let scratch = cholesky_in_place_scratch::<usize, f64>(n, Par::Seq, Default::default());
+    let mut memory = MemBuffer::new(scratch);
+    let stack = MemStack::new(&mut memory);
+    let found =
+        cholesky_in_place(products.as_mut(), &mut order, &mut place, Par::Seq, stack, Default::default());
+    let (info, _) =
+        found.map_err(|error| Error::Decomposition { rows: n, columns: n, reason: format!("{error:?}") })?;
+    let rank = (0..info.rank).take_while(|&k| products[(k, k)].powi(2) > ROUNDED).count();
+    Ok(Mat::from_fn(n, rank, |i, k| if k <= place[i] { products[(place[i], k)] } else { 0.0 }))
 }
 
 #[cfg(test)]
