@@ -29,6 +29,9 @@ pub struct Diagnosis {
     /// The effects that explain it, by how much they lower the rms of readings left out: the largest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effects: Vec<ExplainedEffect>,
+    /// The kinds of physics that explain it, whatever their form, the one that explains most first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub families: Vec<ExplainedFamily>,
     /// Sets of effects that do equally well; empty where there is one answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ambiguity: Vec<Vec<String>>,
@@ -164,6 +167,9 @@ pub struct DoubtfulValue {
 pub struct ExplainedEffect {
     /// The catalogue's name, or `dependence` on a column that no effect knows.
     pub effect: String,
+    /// The kind of physics: see [`ExplainedFamily`].
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub family: String,
     /// The sensor that it acts on, for an effect of one sensor.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sensor: Option<Axis>,
@@ -213,6 +219,43 @@ pub struct ExplainedEffect {
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+/// A kind of physics that explains a difference, whatever its form.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct ExplainedFamily {
+    /// `late_response`, `follows_column`, `own_field`, `outside_field`, `position`, `lines`, `time`, `moments`
+    /// or `codes`.
+    pub family: String,
+    /// The same in words.
+    pub title: String,
+    /// The sensors in which it shows; empty for what acts on all.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub sensors: Vec<Axis>,
+    /// Probability that something of this kind acts, of all sets of effects and structure that were weighed.
+    pub probability: f64,
+    /// Share that it explains of what any effects and structure can explain.
+    pub share: f64,
+    /// Effects of this kind, each with the probability that it is one of those that act.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub members: Vec<FamilyMember>,
+    /// Probability that it acts in a form that none of them has.
+    pub no_member: f64,
+    /// The recording that tells its members apart.
+    pub told_apart_by: String,
+}
+
+/// An effect of a kind of physics.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct FamilyMember {
+    /// Its name with its target.
+    pub effect: String,
+    /// Probability that it is one of those that act.
+    pub probability: f64,
 }
 
 /// A recording that would decide between names.

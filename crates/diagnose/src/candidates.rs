@@ -27,8 +27,9 @@ const INFLECTIONS: usize = 9;
 const CLIPS: i32 = 14;
 /// Most steps into which a span is divided.
 const SPAN_STEPS: f64 = 60.0;
-/// A time constant of this share of a step is far less than one.
+/// A time constant of this share of a step is far less than one; from there on each so many times the one before.
 const BRIEF: f64 = 1e-3;
+const BRIEF_RATIO: f64 = 5.0;
 /// A time constant of more spans than these is a straight line.
 const SPANS: f64 = 3.0;
 
@@ -199,10 +200,11 @@ impl Scale {
         let ratio = if sized { RATIO } else { FINE_RATIO };
         let count = ((high / low).ln() / ratio.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
         let grid = (0..=count as usize).map(|k| low * (high / low).powf(k as f64 / count));
-        // What is late by far less than a step does as much as it is late.
-        let brief = info.low.max(BRIEF * self.step_s);
-        let brief = (!sized && info.name.ends_with("_s") && brief < low).then_some(brief);
-        brief.into_iter().chain(grid).collect()
+        // What is late by less than a step does as much as it is late.
+        let least = info.low.max(BRIEF * self.step_s);
+        let brief = std::iter::successors(Some(least), |value| Some(value * BRIEF_RATIO));
+        let brief = brief.take_while(|value| !sized && info.name.ends_with("_s") && *value < low);
+        brief.chain(grid).collect()
     }
 }
 

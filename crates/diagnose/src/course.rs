@@ -342,14 +342,14 @@ fn concluded(
     answer: verdict::Answer,
     (fit, noise, last): (Fit, NoiseModel, Look),
 ) -> Result<Outcome, Error> {
-    let verdict::Answer { verdict, names, refused, unnamed, .. } = answer;
+    let verdict::Answer { verdict, names, refused, unnamed, families, .. } = answer;
     let mut found = codes;
     let (near, began) = (fit.state.base.clone(), (base, base_noise, first));
     if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
         let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
         let Ground { fit, noise, look: last, .. } = origin;
         let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
-        return Ok(Outcome { refused, unnamed, ..outcome });
+        return Ok(Outcome { refused, unnamed, families, ..outcome });
     }
     let fitter = Fitter { model, noise: &noise };
     let mut from = origin.counts();
@@ -378,7 +378,7 @@ fn concluded(
     }
     let fit = fit.widened(&added);
     let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
-    Ok(Outcome { refused, unnamed, ..outcome })
+    Ok(Outcome { refused, unnamed, families, ..outcome })
 }
 
 /// An outcome of which nothing else is to be said yet.
@@ -398,6 +398,7 @@ fn outcome(
         verdict,
         refused: Vec::new(),
         unnamed: Vec::new(),
+        families: Vec::new(),
         near,
         fit,
         noise,

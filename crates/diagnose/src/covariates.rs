@@ -2,13 +2,19 @@
 
 use common::Axis;
 use nalgebra::Vector3;
-use physics::{Acts, EffectInstance, Kind, Place};
+use physics::{Acts, EffectInstance, Family, Kind, Place};
 
 use crate::Error;
 use crate::model::{Model, State};
 
 /// The field along a sensor.
 pub const ALONG: &str = "the field along it";
+
+/// What stands before the field whose past something follows.
+pub const PAST: &str = "the past of ";
+
+/// What stands behind something that goes with time too.
+pub const WITH_TIME: &str = ", with time";
 
 /// The field across a sensor, along another.
 pub fn across(other: Axis) -> String {
@@ -18,6 +24,19 @@ pub fn across(other: Axis) -> String {
 /// Whether a name is of a field across a sensor, or of its past.
 pub fn is_across(name: &str) -> bool {
     Axis::ALL.into_iter().any(|other| name.contains(&across(other)))
+}
+
+/// What kind of physics it is to follow something.
+pub fn family(covariate: &str) -> Family {
+    let is_field = |name: &str| name == ALONG || Axis::ALL.into_iter().any(|axis| name == across(axis));
+    match covariate {
+        name if name.strip_prefix(PAST).is_some_and(is_field) => Family::LateResponse,
+        name if is_field(name) => Family::OwnField,
+        "position_m" => Family::Position,
+        "time_s" | "row" => Family::Time,
+        name if name.ends_with(WITH_TIME) => Family::Time,
+        _ => Family::FollowsColumn,
+    }
 }
 
 /// What is known of the Sun.

@@ -17,14 +17,16 @@ use crate::whitening::{NoiseModel, neighbours_std};
 /// show turn sensors by radians, and end in a minimum that is none. The last step is one that lowers the sum
 /// of squares by less than [`TOLERANCE`].
 const ITERATION: Control = Control {
-    most: 40,
+    most: 100,
     tolerance: 0.031_622_776_6,
     damping: Damping { first: 1e-4, least: LIGHTEST, from: LIGHTEST },
     raise: Tolerance { absolute: 0.0, relative: 0.0 },
-    idle: Some(Tolerance { absolute: 1e-2, relative: 1e-9 }),
+    idle: Some(Tolerance { absolute: 1e-3, relative: 1e-9 }),
     keep: true,
 };
 const LIGHTEST: f64 = 1e-10;
+/// Most steps from a fit nearby: what takes more is no minimum of the effects that came in.
+const NEAR: usize = 40;
 /// Rows whose products are taken at once.
 const BLOCK: usize = 16_384;
 
@@ -115,7 +117,7 @@ impl Fitter<'_, '_> {
     /// rows out of them.
     pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
         let damping = Damping { first: LIGHTEST, ..ITERATION.damping };
-        self.minimum(start, Some(&fit.jacobian), &Control { damping, ..ITERATION })
+        self.minimum(start, Some(&fit.jacobian), &Control { damping, most: NEAR, ..ITERATION })
     }
 
     /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model,

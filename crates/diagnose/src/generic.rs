@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
-use crate::covariates::{ALONG, across, fields};
+use crate::covariates::{ALONG, PAST, WITH_TIME, across, fields};
 use crate::model::{Model, State};
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, polynomial, range};
@@ -156,7 +156,7 @@ fn with_time(
             channel.rows.iter().map(|row| at(row).unwrap_or(0.0)).collect()
         })
     });
-    let what = What::Smooth { covariate: format!("{ALONG}, with time"), axis };
+    let what = What::Smooth { covariate: format!("{ALONG}{WITH_TIME}"), axis };
     Some((what, vec![(None, waves.collect())]))
 }
 
@@ -184,7 +184,7 @@ fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]
     });
     Some((
         What::Smooth {
-            covariate: format!("the past of {}", if of == axis { ALONG.to_string() } else { across(of) }),
+            covariate: format!("{PAST}{}", if of == axis { ALONG.to_string() } else { across(of) }),
             axis,
         },
         trials.to_vec(),

@@ -20,7 +20,7 @@
 //! - `atoms` are the possible explanations with their priors; `form` their departures from their equations
 //!   (`form_error`: what these add to the uncertainty of every fitted parameter; `sized`: intervals of
 //!   parameters). `evidence` is the marginal likelihood, `sets` the beam search over sets, `verdict` the
-//!   names with probabilities and shares. All thresholds are in `decide`.
+//!   names with probabilities and shares, `families` the kinds of physics. All thresholds are in `decide`.
 //! - `plain` judges names by held-out readings, beside plain regressions (`report/rivals`); `linear` tells of a
 //!   refit that leaves more than linear least squares. `beside` answers of two instruments side by side.
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
@@ -50,6 +50,7 @@ mod dictionary;
 mod events;
 mod evidence;
 mod experiment;
+mod families;
 mod fit;
 mod form;
 mod form_error;
@@ -87,9 +88,9 @@ pub use common::Error;
 pub use dictionary::{Dictionary, Form, Group, Readings, dictionary};
 pub use words::summary;
 
-use common::{Diagnosis, Document, Quantity, Recording, Verdict, procedure};
+use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Verdict, procedure};
 use indexmap::IndexMap;
-use physics::{Kind, References};
+use physics::{Family, Kind, References};
 
 use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
@@ -165,6 +166,8 @@ struct Outcome {
     refused: Vec<(String, String)>,
     /// Structure without a name beside them.
     unnamed: Vec<verdict::Unnamed>,
+    /// The kinds of physics among all of it.
+    families: Vec<ExplainedFamily>,
     /// The unknowns of the base model beside the best names.
     near: Vec<f64>,
     /// The final fit.
@@ -240,6 +243,11 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
             None => campaign(&mut document, options, told)?,
         };
         entries.push(Diagnosis { reasons: [entry.reasons, notes].concat(), ..entry });
+    }
+    for effect in entries.iter_mut().flat_map(|entry| &mut entry.effects) {
+        // What follows a column that no effect knows is no effect of the catalogue.
+        let family = Kind::named(&effect.effect).map_or(Family::FollowsColumn, |kind| kind.about().family);
+        effect.family = family.word().into();
     }
     document.diagnosis = Some(entries);
     Ok(document)

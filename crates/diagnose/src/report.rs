@@ -125,6 +125,7 @@ pub fn report(
         recordings,
         places,
         effects,
+        families: outcome.families.clone(),
         ambiguity,
         unnamed: unnamed::unnamed(model, outcome, &fields),
         fit: Some(fit),

@@ -1,13 +1,14 @@
 //! What the weighed sets say: which names, how sure, what share, and what the others lack.
 
 use common::number::{p_value, probability, significant};
-use common::{Axis, Verdict};
+use common::{Axis, ExplainedFamily, Verdict};
 
 use estimate::stats::chi_squared_quantile;
 
 use crate::additions::additions;
 use crate::atoms::{Atom, Atoms, Thing};
 use crate::decide::{AS_MUCH, EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
+use crate::families;
 use crate::level::{Rest, at_least_one};
 use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
@@ -99,6 +100,8 @@ pub struct Answer {
     pub rivals: Vec<Vec<Addition>>,
     /// Structure of the best set.
     pub unnamed: Vec<Unnamed>,
+    /// The kinds of physics of the best set.
+    pub families: Vec<ExplainedFamily>,
     /// Probability that nothing is there: the empty set against the best one, the evidence tempered.
     pub nothing: f64,
 }
@@ -108,6 +111,7 @@ impl Answer {
     pub fn agrees(mut self) -> Self {
         self.names.clear();
         self.unnamed.clear();
+        self.families.clear();
         self.verdict = Verdict::Agrees;
         self
     }
@@ -227,6 +231,11 @@ pub fn answer(
         }
     }
     let rivals = rivals(model, atoms, sets, ranked);
+    let share = |own: &[usize]| {
+        let beside = |number: &usize| !own.contains(&best.members[*number].atom);
+        (whole_core - sets.gain(&members(&beside))) / explicable
+    };
+    let families = families::families(atoms, (ranked, &weights), best, share);
     let members = members(&|_| true);
     Answer {
         verdict,
@@ -238,6 +247,7 @@ pub fn answer(
         events: Vec::new(),
         rivals,
         unnamed,
+        families,
         nothing,
     }
 }

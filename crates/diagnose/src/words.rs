@@ -1,9 +1,13 @@
 //! The result in a few lines for people.
 
 use common::number::{p_value, probability, signed, significant};
-use common::{Diagnosis, Document, ExplainedEffect, ListedEffect, MovedConstant, Quantity, Verdict};
+use common::{
+    Axis, Diagnosis, Document, ExplainedEffect, ExplainedFamily, FamilyMember, ListedEffect, MovedConstant,
+    Quantity, Verdict,
+};
 use std::fmt::Write;
 
+use crate::decide::{AS_MUCH, SURE};
 use crate::plain;
 
 /// Most parameters of an effect, or parts of a list, that are said.
@@ -61,6 +65,10 @@ pub fn answer(entry: &Diagnosis) -> String {
                 sets.join(" or ")
             )
         }
+        Verdict::Unexplained if entry.families.first().is_some_and(is_sure) => {
+            let [first, ..] = entry.families.as_slice() else { return String::new() };
+            format!("{}; {refitted}, {noise}", family(first))
+        }
         Verdict::Unexplained => {
             let left = entry.remaining.as_ref().map_or("unidentified structure", |left| &left.structure);
             format!("{refitted}, {noise}; no effect explains the residual: {left}")
@@ -79,6 +87,32 @@ fn names(entry: &Diagnosis) -> String {
     let others: Vec<String> = others.iter().map(titled).collect();
     let others = if others.is_empty() { String::new() } else { format!(", and {}", others.join(", ")) };
     format!("{} ({}){others}", titled(first), parameters(first, HEAD))
+}
+
+/// Whether a kind of physics is certain and explains most, where no member of it is.
+fn is_sure(family: &ExplainedFamily) -> bool {
+    family.probability >= SURE && family.share >= AS_MUCH
+}
+
+/// A kind of physics whose member is not determined, with those that may be it.
+fn family(family: &ExplainedFamily) -> String {
+    let sensors: Vec<String> = family.sensors.iter().map(Axis::to_string).collect();
+    let sensors = match sensors.as_slice() {
+        [] => String::new(),
+        [one] => format!("sensor {one}: "),
+        [others @ .., last] => format!("sensors {} and {last}: ", others.join(", ")),
+    };
+    let member = |member: &FamilyMember| format!("{} {}", member.effect, probability(member.probability));
+    let mut members: Vec<String> = family.members.iter().take(HEAD).map(member).collect();
+    if family.no_member >= 0.01 {
+        members.push(format!("another form {}", probability(family.no_member)));
+    }
+    format!(
+        "{sensors}{} (probability {}), which of its forms is not determined ({})",
+        family.title,
+        probability(family.probability),
+        members.join(", ")
+    )
 }
 
 /// The sensor or the coil of an effect that acts on one.

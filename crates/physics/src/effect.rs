@@ -3,7 +3,7 @@
 use common::Axis;
 use nalgebra::Vector3;
 
-use crate::{Basic, Context, Real, Result};
+use crate::{Basic, Context, Family, Real, Result};
 
 /// What an effect belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -163,6 +163,8 @@ pub struct About {
     pub equation: &'static str,
     /// Where that is written.
     pub source: &'static str,
+    /// What kind of physics it is.
+    pub family: Family,
     /// What it belongs to.
     pub place: Place,
     /// Where in the chain it acts.

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use common::{Error, to_text};
-use physics::{Acts, Kind, ParameterInfo, Place, Role};
+use physics::{Acts, Family, Kind, ParameterInfo, Role};
 use serde::Serialize;
 
 /// How the catalogue is laid out.
@@ -24,6 +24,7 @@ struct Entry {
     physics: &'static str,
     equation: &'static str,
     source: &'static str,
+    family: &'static str,
     place: &'static str,
     acts_on: &'static str,
     parameters: Vec<Parameter>,
@@ -68,6 +69,7 @@ fn entry(kind: Kind) -> Entry {
         physics: about.physics,
         equation: about.equation,
         source: about.source,
+        family: about.family.word(),
         place: about.place.word(),
         acts_on: acts_on(about.acts),
         parameters: about.parameters.iter().map(parameter).collect(),
@@ -93,8 +95,8 @@ fn role(role: Role) -> &'static str {
     }
 }
 
-fn of(kinds: &[Kind], place: Place) -> impl Iterator<Item = Entry> {
-    kinds.iter().filter(move |kind| kind.place() == place).map(|kind| entry(*kind))
+fn of(kinds: &[Kind], family: Family) -> impl Iterator<Item = Entry> {
+    family.members().filter(|kind| kinds.contains(kind)).map(entry)
 }
 
 fn plausible(parameter: &Parameter) -> String {
@@ -110,10 +112,10 @@ fn plausible(parameter: &Parameter) -> String {
 
 fn table(kinds: &[Kind]) -> String {
     let mut text = String::new();
-    for place in Place::ALL {
-        for (number, entry) in of(kinds, place).enumerate() {
+    for family in Family::ALL {
+        for (number, entry) in of(kinds, family).enumerate() {
             if number == 0 {
-                text += &format!("{}\n", place.word());
+                text += &format!("{}\n", family.word());
             }
             let parameter = |parameter: &Parameter| format!("{} {}", parameter.name, plausible(parameter));
             let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
@@ -128,9 +130,15 @@ fn table(kinds: &[Kind]) -> String {
 
 fn markdown(kinds: &[Kind]) -> String {
     let mut text = String::from(HEAD);
-    for place in Place::ALL {
-        text += &format!("\n## {}{}\n", place.word()[..1].to_uppercase(), &place.word()[1..]);
-        for entry in of(kinds, place) {
+    for family in Family::ALL {
+        let heading = capital(&family.word().replace('_', " "));
+        text += &format!(
+            "\n## {heading}\n\n{} (`{}`). {}\n",
+            capital(family.title()),
+            family.word(),
+            family.told_apart_by()
+        );
+        for entry in of(kinds, family) {
             text += &format!("\n### `{}`\n\n{}. {}\n\n", entry.effect, capital(entry.title), entry.physics);
             text += &format!("```text\n{}\n```\n\n", entry.equation);
             let key = match entry.acts_on {
@@ -139,7 +147,8 @@ fn markdown(kinds: &[Kind]) -> String {
             };
             let parameter = |parameter: &Parameter| format!("`{}` {}", parameter.name, plausible(parameter));
             let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
-            text += &format!("- Takes {key}; parameters {}.\n", parameters.join(", "));
+            text +=
+                &format!("- Of the {}. Takes {key}; parameters {}.\n", entry.place, parameters.join(", "));
             if !entry.needs.is_empty() {
                 let needs: Vec<String> = entry.needs.iter().map(|need| code(need)).collect();
                 text += &format!("- Needs {}.\n", needs.join(", "));
@@ -172,6 +181,9 @@ const HEAD: &str = "# The effects\n\n\
     ```\n\n\
     **Target.** An effect takes `sensor` or `coil` if it acts on one, `column` if it follows a housekeeping column, and nothing if it acts\n\
     on all. With `recording` it acts in that recording only.\n\n\
+    **Families.** Effects are ordered by kind of physics. Where recordings do not determine which member acts, or in which form,\n\
+    `diagnose` names the family, with the probability of each member. Each family begins with the recording that tells its members\n\
+    apart.\n\n\
     **Order.** Effects act in the order of the signal: coil, field in GEO, sensor block, sensor, electronics, logger; at one place in\n\
     the order in which they are listed.\n\n\
     **Symbols.** B is the field along the sensor at that place, dB what is added to it, in nT. T_S, T_E and T_C are\n\

@@ -15,6 +15,7 @@ impl Effect for AxisTemperature {
         equation: "dB = (a u + b v) (T_S - T_ref), u and v the SEN fields across the sensor in cyclic order",
         source: "NASA CR-156638, specifications (axes stable to 5 arcsec); Acuña 2002, Space-based magnetometers, \
             Rev. Sci. Instrum. 73, 3717",
+        family: Family::FollowsColumn,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,
@@ -45,6 +46,7 @@ impl Effect for AxisCreep {
         equation: "dB = (a u + b v) (T_lag - T_ref), tau dT_lag/dt = T_S - T_lag",
         source: "NASA CR-156638, specifications (axes stable to 5 arcsec); Acuña 2002, Space-based magnetometers, \
             Rev. Sci. Instrum. 73, 3717",
+        family: Family::FollowsColumn,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,

@@ -13,6 +13,7 @@ impl Effect for CoilTemperature {
         equation: "B = k (1 + a (T_C - T_ref) 1e-6) I",
         source: "NASA CR-156638, description of test facility (a second winding on each coil against its temperature \
             dependence)",
+        family: Family::FollowsColumn,
         place: Place::Facility,
         stage: Stage::Coil,
         acts: Acts::OneCoil,
@@ -44,6 +45,7 @@ impl Effect for CoilHeating {
             warmth comes and goes with the coil's thermal time constant.",
         equation: "B = k (1 - (a P + b W) 1e-6) I, tau dP/dt = I^2 - P, tau dW/dt = -W, P = 0 and W = I^2 at the first row",
         source: "NASA CR-156638, description of test facility (temperature dependence of the main winding)",
+        family: Family::FollowsColumn,
         place: Place::Facility,
         stage: Stage::Coil,
         acts: Acts::OneCoil,
@@ -86,6 +88,7 @@ impl Effect for EddyCurrents {
         equation: "dB = -s (B_c - L) 1e-6, tau dL/dt = B_c - L",
         source: "Leliak 1961, Identification and evaluation of magnetic-field sources of MAD equipped aircraft, IRE \
             Trans. ANE-8, 95",
+        family: Family::LateResponse,
         place: Place::Facility,
         stage: Stage::Coil,
         acts: Acts::OneCoil,

@@ -70,6 +70,7 @@ impl Effect for CoilGradient {
             + g_nu (n u^T + u n^T) + g_nv (n v^T + v n^T) + g_uu (u u^T - v v^T) + g_uv (u v^T + v u^T), u and v the \
             axes that follow n",
         source: "NASA CR-156638, minimise calibration coil gradients; field of a coil without sources and curl, to first order",
+        family: Family::Position,
         place: Place::Facility,
         stage: Stage::Sensor,
         acts: Acts::OneCoil,
@@ -112,6 +113,7 @@ impl Effect for OffCentre {
             another field in each orientation.",
         equation: "dB = m . R (3 n (n.p) - p) G I / 2, p = R^T displacement, for each coil",
         source: "NASA CR-156638, procedure for the sensor assembly (the cube's centre must not move)",
+        family: Family::Position,
         place: Place::Facility,
         stage: Stage::Sensor,
         acts: Acts::Everything,

@@ -13,6 +13,7 @@ impl Effect for Hysteresis {
         equation: "dB = -h z, dz/ds = (sign(dB/ds) - z) / B_c, s the way that the field has gone",
         source: "Coleman and Hodgdon 1986, A constitutive relation for rate-independent hysteresis, Int. J. Eng. Sci. \
             24, 897; Ripka 2001, Magnetic Sensors and Magnetometers",
+        family: Family::OwnField,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,
@@ -55,6 +56,7 @@ impl Effect for Perming {
         equation: "dB = r p, p = min(max(p, B - B_t), B + B_t), p = 0 at first",
         source: "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis (play); Primdahl 1979, The fluxgate \
             magnetometer, J. Phys. E 12, 241 (perming)",
+        family: Family::OwnField,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,

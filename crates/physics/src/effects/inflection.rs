@@ -15,6 +15,7 @@ impl Effect for OffsetTemperatureInflection {
         equation: "dB = c (T_S - T_ref) + h w (g((T_S - T_i)/w) - g((T_ref - T_i)/w)), g(u) = ln cosh u, T_i in K",
         source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice (temperature \
             coefficients of variometers)",
+        family: Family::FollowsColumn,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,

@@ -13,6 +13,7 @@ impl Effect for NullingLeakage {
             left at the sensors.",
         equation: "dB_geo = (g U_lag + f (U - U_lag)) 1e-6, tau dU_lag/dt = U - U_lag, U = outside - its mean, per axis",
         source: "NASA CR-156638, test of the Earth field nulling system",
+        family: Family::OutsideField,
         place: Place::Facility,
         stage: Stage::Geo,
         acts: Acts::Everything,

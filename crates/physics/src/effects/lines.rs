@@ -19,6 +19,7 @@ macro_rules! line {
                 physics: $physics,
                 equation: "dB_geo = s sin(2 pi f t) + c cos(2 pi f t)",
                 source: SOURCE,
+                family: Family::Lines,
                 place: Place::Environment,
                 stage: Stage::Geo,
                 acts: Acts::Everything,

@@ -1,7 +1,7 @@
 //! What every effect is written with.
 
 pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Stage, Surroundings};
-pub use crate::{Context, Real, Result};
+pub use crate::{Context, Family, Real, Result};
 pub use nalgebra::Vector3;
 
 /// Field to which coefficients of powers refer, nT.

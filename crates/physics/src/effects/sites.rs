@@ -17,6 +17,7 @@ impl Effect for PillarGradient {
         equation: "dB_test = G B_reference 1e-6, G[row][column], row = component added",
         source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice (pillar \
             differences)",
+        family: Family::Position,
         place: Place::Sites,
         stage: Stage::Block,
         acts: Acts::Everything,
@@ -42,6 +43,7 @@ impl Effect for InductionDifference {
             pillars of one house, by tenths of it where a coast or a fault lies between.",
         equation: "dB = C (B - L) 1e-6, tau dL/dt = B - L, C[row][column], row = component added",
         source: "Parkinson 1959, Directions of rapid geomagnetic fluctuations, Geophys. J. 2, 1",
+        family: Family::LateResponse,
         place: Place::Sites,
         stage: Stage::Block,
         acts: Acts::Everything,
@@ -87,6 +89,7 @@ impl Effect for PillarTilt {
         equation: "dB = -omega x B, omega = (a, b, 0) (T_lag - T_ref), tau dT_lag/dt = T_S - T_lag",
         source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
             foundation movements, Phys. Earth Planet. Inter. 59, 78",
+        family: Family::Time,
         place: Place::Sites,
         stage: Stage::Block,
         acts: Acts::Everything,
@@ -119,6 +122,7 @@ impl Effect for PillarSettling {
         equation: "dB = -omega x B, omega = (a, b, 0) t",
         source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
             foundation movements, Phys. Earth Planet. Inter. 59, 78",
+        family: Family::Time,
         place: Place::Sites,
         stage: Stage::Block,
         acts: Acts::Everything,
@@ -149,6 +153,7 @@ impl Effect for MeasuredTilt {
         equation: "dB = -g 1e-6 omega x B, omega = (tilt_x, tilt_y, 0)",
         source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
             foundation movements, Phys. Earth Planet. Inter. 59, 78",
+        family: Family::FollowsColumn,
         place: Place::Environment,
         stage: Stage::Block,
         acts: Acts::Everything,

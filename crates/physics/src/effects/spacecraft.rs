@@ -13,6 +13,7 @@ impl Effect for StrayCurrent {
             proportion, fixed to the spacecraft.",
         equation: "dB_sen = c I",
         source: "Olsen et al. 2020, Magnetic observations from CryoSat-2: calibration and processing of satellite platform magnetometer data, Earth Planets Space 72, 48",
+        family: Family::FollowsColumn,
         place: Place::Spacecraft,
         stage: Stage::Block,
         acts: Acts::WithColumn,
@@ -49,6 +50,7 @@ macro_rules! rotor {
                 equation: $equation,
                 source: "Pope et al. 2011, Exploring planetary magnetic environments using magnetically unclean spacecraft: a \
                     systems approach to VEX MAG data analysis, Ann. Geophys. 29, 639",
+                family: Family::Lines,
                 place: Place::Spacecraft,
                 stage: Stage::Block,
                 acts: Acts::WithColumn,

@@ -51,6 +51,7 @@ impl Effect for SunThermoelectric {
         equation: "dB_sen = sunlit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el))",
         source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
             package, Earth Planets Space 68, 129",
+        family: Family::FollowsColumn,
         place: Place::Spacecraft,
         stage: Stage::Block,
         acts: Acts::Everything,
@@ -141,6 +142,7 @@ impl Effect for SunThermoelectricHarmonics {
         equation: "dB_sen = sunlit sum_nm P_nm(sin el) (c_nm cos(m az) + s_nm sin(m az)), n = 0..4, P_nm after Schmidt",
         source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
             package, Earth Planets Space 68, 129",
+        family: Family::FollowsColumn,
         place: Place::Spacecraft,
         stage: Stage::Block,
         acts: Acts::Everything,

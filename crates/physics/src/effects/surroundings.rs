@@ -19,6 +19,7 @@ impl Effect for VehiclePass {
         equation: "dB_geo = (u + v x + w x^2) / (1 + x^2)^(5/2), x = (t - t0) / d",
         source: "Jackson, Classical Electrodynamics (field of a dipole); Jankowski and Sucksdorff 1996, IAGA Guide for \
             Magnetic Measurements and Observatory Practice",
+        family: Family::Moments,
         place: Place::Environment,
         stage: Stage::Geo,
         acts: Acts::Everything,
@@ -64,6 +65,7 @@ impl Effect for WorkingHours {
         equation: "dB_geo = v from Monday to Friday, 7 h + s to 17 h - s by the clock of `start`",
         source: "NASA CR-156638, test of the Earth field nulling system (site conditions); Lowes 2009, DC railways and \
             the magnetic fields they produce, Earth Planets Space 61, i",
+        family: Family::Time,
         place: Place::Environment,
         stage: Stage::Geo,
         acts: Acts::Everything,

@@ -77,6 +77,7 @@ macro_rules! follows {
                 physics: $physics,
                 equation: $equation,
                 source: $source,
+                family: Family::FollowsColumn,
                 place: Place::$place,
                 stage: Stage::$place,
                 acts: Acts::OneSensor,

@@ -11,6 +11,7 @@ impl Effect for WarmUp {
             goes to its final value exponentially.",
         equation: "dB = a exp(-t / tau)",
         source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice",
+        family: Family::Time,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,
@@ -41,6 +42,7 @@ impl Effect for Ageing {
             campaign.",
         equation: "dB = b t",
         source: "NASA CR-156638, temporal drift in sensor offset",
+        family: Family::Time,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,
@@ -68,6 +70,7 @@ impl Effect for SensitivityAgeing {
         equation: "dB = B b t 1e-6",
         source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth \
             Planets Space 68, 129",
+        family: Family::Time,
         place: Place::Sensor,
         stage: Stage::Sensor,
         acts: Acts::OneSensor,

@@ -1,6 +1,6 @@
 //! What the model left out: each diagnosis with its residuals before and after.
 
-use common::{Diagnosis, Document, ExplainedEffect, Residual, ResidualSeries, Verdict};
+use common::{Diagnosis, Document, ExplainedEffect, FamilyMember, Residual, ResidualSeries, Verdict};
 use page::words::{key, rounded, sentence};
 
 use super::residuals::{Names, plots};
@@ -248,6 +248,23 @@ fn tables(section: &mut Section, diagnosis: &Diagnosis) {
         }
     }
     section.table(rivals);
+    let columns =
+        [("kind of physics", ""), ("probability", ""), ("share", ""), ("members", ""), ("another form", "")];
+    let mut families = Table::new("Kinds of physics, whatever their form", columns);
+    for one in &diagnosis.families {
+        let member = |member: &FamilyMember| {
+            format!("{} {}", member.effect.replace('_', " "), number::probability(member.probability))
+        };
+        let members: Vec<String> = one.members.iter().map(member).collect();
+        families.row([
+            one.title.as_str().into(),
+            Cell::Probability(one.probability),
+            number::fixed(one.share, 3).into(),
+            members.join(", ").into(),
+            Cell::Probability(one.no_member),
+        ]);
+    }
+    section.table(families);
     let mut energy = Table::new(
         "Shares of the excess of the squared residual over the noise",
         [("by", ""), ("part", ""), ("from", ""), ("to", ""), ("share", "")],

@@ -1,0 +1,81 @@
+//! What the weighed sets say of kinds of physics, whatever the member and its form.
+
+use common::{Axis, ExplainedFamily, FamilyMember};
+use physics::Family;
+
+use crate::atoms::{Atom, Atoms, Thing};
+use crate::covariates;
+use crate::proposal::Addition;
+use crate::sets::Set;
+
+/// Members that are less probable are not told.
+const LEAST: f64 = 0.02;
+
+/// What kind of physics an atom is; structure without a name by what it follows.
+pub fn of(atom: &Atom) -> Family {
+    match &atom.thing {
+        Thing::Effect(effect) => effect.kind.about().family,
+        Thing::Dependence(..) => Family::FollowsColumn,
+        Thing::Event(additions) => match additions.first() {
+            Some(Addition::Effect(effect)) => effect.kind.about().family,
+            _ => Family::Moments,
+        },
+        Thing::Smooth(covariate, _) => covariates::family(covariate),
+    }
+}
+
+/// The kinds of physics of the best set, the one that explains most first: how probable each is, and which
+/// members it has in the sets that were weighed. `share` says what atoms explain together, beside all others.
+pub fn families(
+    atoms: &Atoms<'_>,
+    (ranked, weights): (&[Set], &[f64]),
+    best: &Set,
+    share: impl Fn(&[usize]) -> f64,
+) -> Vec<ExplainedFamily> {
+    let is_of = |family: Family, set: &Set| -> Vec<usize> {
+        set.key().into_iter().filter(|atom| of(&atoms.all[*atom]) == family).collect()
+    };
+    let mut all: Vec<ExplainedFamily> = Family::ALL
+        .into_iter()
+        .filter_map(|family| {
+            let own = is_of(family, best);
+            if own.is_empty() {
+                return None;
+            }
+            let weight = |which: &dyn Fn(&[usize]) -> bool| -> f64 {
+                let sets = ranked.iter().zip(weights);
+                let weights = sets.filter(|(set, _)| which(&is_of(family, set))).map(|(_, weight)| weight);
+                weights.sum::<f64>().min(1.0)
+            };
+            let is_named = |atom: &usize| atoms.all[*atom].is_named();
+            let mut named: Vec<usize> =
+                ranked.iter().flat_map(|set| is_of(family, set)).filter(is_named).collect();
+            named.sort_unstable();
+            named.dedup();
+            let mut members: Vec<FamilyMember> = named
+                .into_iter()
+                .map(|atom| FamilyMember {
+                    effect: atoms.all[atom].name.clone(),
+                    probability: weight(&|all| all.contains(&atom)),
+                })
+                .filter(|member| member.probability >= LEAST)
+                .collect();
+            members.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+            let mut sensors: Vec<Axis> = own.iter().filter_map(|atom| atoms.all[*atom].sensor()).collect();
+            sensors.sort_unstable();
+            sensors.dedup();
+            Some(ExplainedFamily {
+                family: family.word().into(),
+                title: family.title().into(),
+                sensors,
+                probability: weight(&|all| !all.is_empty()),
+                share: share(&own).clamp(0.0, 1.0),
+                members,
+                no_member: weight(&|all| !all.is_empty() && !all.iter().any(is_named)),
+                told_apart_by: family.told_apart_by().into(),
+            })
+        })
+        .collect();
+    all.sort_by(|a, b| b.share.total_cmp(&a.share));
+    all
+}
