@@ -38,6 +38,9 @@ pub struct Diagnosis {
     /// Structure that no effect names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unnamed: Vec<UnnamedStructure>,
+    /// Of that what was adopted as the effect `empirical` because `--empirical` asks for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub empirical: Vec<AdoptedStructure>,
     /// How well the recordings are met.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fit: Option<Residual>,
@@ -301,6 +304,22 @@ pub struct UnnamedStructure {
     pub x: Vec<f64>,
     /// What the structure makes of them, nT.
     pub contribution_nt: Vec<f64>,
+}
+
+/// Structure without a name that was adopted: what it follows, and what that does to readings left out of the fit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[serde(default)]
+pub struct AdoptedStructure {
+    /// The column of `empirical`.
+    pub column: String,
+    /// Its lag, where it follows the past of that, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lag_s: Option<f64>,
+    /// Rms of readings that were left out, without it, nT.
+    pub held_out_before_nt: f64,
+    /// The same with it.
+    pub held_out_after_nt: f64,
 }
 
 /// One of a list of like effects.

@@ -72,9 +72,9 @@ pub use coil::{
 };
 pub use column::Column;
 pub use diagnosis::{
-    BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment, ExplainedEffect,
-    ExplainedFamily, FamilyMember, ListedEffect, MovedConstant, Remaining, Residual, ResidualOf,
-    ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
+    AdoptedStructure, BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment,
+    ExplainedEffect, ExplainedFamily, FamilyMember, ListedEffect, MovedConstant, Remaining, Residual,
+    ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
 };
 pub use differential::{
     Angle, BandAxis, ChiSquared, ClockDifference, ClockJump, ClockSegment, Contribution, ContributionCause,

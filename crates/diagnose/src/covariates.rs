@@ -13,6 +13,9 @@ pub const ALONG: &str = "the field along it";
 /// What stands before the field whose past something follows.
 pub const PAST: &str = "the past of ";
 
+/// What stands before a temperature whose rate something follows.
+pub const RATE: &str = "the rate of ";
+
 /// What stands behind something that goes with time too.
 pub const WITH_TIME: &str = ", with time";
 
@@ -37,6 +40,20 @@ pub fn family(covariate: &str) -> Family {
         name if name.ends_with(WITH_TIME) => Family::Time,
         _ => Family::FollowsColumn,
     }
+}
+
+/// The column under which the effect `empirical` has what a sensor follows, and whether it is the past of that;
+/// None where it has none.
+pub fn column(covariate: &str, sensor: Axis) -> Option<(String, bool)> {
+    let past = covariate.strip_prefix(PAST).or_else(|| covariate.strip_prefix(RATE));
+    let name = past.unwrap_or(covariate);
+    let across = Axis::ALL.into_iter().find(|axis| name == across(*axis));
+    let name = match across.or((name == ALONG).then_some(sensor)) {
+        Some(axis) => format!("field_{axis}"),
+        None if name.ends_with(WITH_TIME) || ["row", "position_m"].contains(&name) => return None,
+        None => name.to_string(),
+    };
+    Some((name, past.is_some()))
 }
 
 /// What is known of the Sun.

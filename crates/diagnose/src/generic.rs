@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
-use crate::covariates::{ALONG, PAST, WITH_TIME, across, fields};
+use crate::covariates::{ALONG, PAST, RATE, WITH_TIME, across, fields};
 use crate::model::{Model, State};
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, polynomial, range};
@@ -204,7 +204,7 @@ fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
         let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
         (Some(rows), vec![column(|_, off| off), column(|_, off| off * off)])
     });
-    Some((What::Smooth { covariate: format!("the rate of {name}"), axis }, trials.to_vec()))
+    Some((What::Smooth { covariate: format!("{RATE}{name}"), axis }, trials.to_vec()))
 }
 
 /// What series were before, by a first-order lag of some rows, in recordings with times.

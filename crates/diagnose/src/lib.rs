@@ -26,6 +26,7 @@
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
 //!   residual (`moments`: which of it is new, which pays its trials factor). Large effects get a second round
 //!   about the calibration that goes with them.
+//! - `empirical` adopts structure without a name where that is asked for.
 //! - `moved` tests the stated calibration against the fit. `experiment` varies a recording and finds the
 //!   variant in which the rival names differ most. `report` and `adopt` write. `magnitude` compares a vector
 //!   of unknown direction with a scalar reading, in the field of its own `smooth` readings. `covariates` says
@@ -47,6 +48,7 @@ mod covariates;
 mod decide;
 mod dependence;
 mod dictionary;
+mod empirical;
 mod events;
 mod evidence;
 mod experiment;
@@ -113,11 +115,13 @@ pub struct Options {
     pub against: Option<Document>,
     /// Effects that are not considered, nor fuller forms of them.
     pub without: Vec<Kind>,
+    /// Whether structure without a name is adopted as the effect `empirical`.
+    pub empirical: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { seed: 1, level: 0.01, refit: false, against: None, without: Vec::new() }
+        Self { seed: 1, level: 0.01, refit: false, against: None, without: Vec::new(), empirical: false }
     }
 }
 
@@ -313,12 +317,21 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     if plain::judge(&mut outcome, &fit) {
         fit = report::fit(&model, &mut searcher, &outcome)?;
     }
+    let empirical = if options.empirical {
+        told("adopting structure without a name");
+        empirical::adopt(&model, &mut searcher, &mut outcome)?
+    } else {
+        Vec::new()
+    };
+    if !empirical.is_empty() {
+        fit = report::fit(&model, &mut searcher, &outcome)?;
+    }
     let moved = moved::moved(&original, &model, &outcome, options.level);
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
         outcome.verdict = Verdict::Explained;
     }
     outcome.parameters = report::quantities(&model, &outcome);
-    if matches!(outcome.verdict, Verdict::Explained | Verdict::PartlyExplained) {
+    if matches!(outcome.verdict, Verdict::Explained | Verdict::PartlyExplained) || !empirical.is_empty() {
         outcome.parameters = adopt::adopt(document, &model, &outcome)?;
         physics::state_references(document, &References::of(&original));
     } else if options.refit {
@@ -331,6 +344,6 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
         adopt::calibration(document, &model, (stands, &look.rest))?;
     }
     let entry = report::report(&original, &model, &mut searcher, &outcome, fit, options)?;
-    let entry = Diagnosis { calibration_moved: moved, ..entry };
+    let entry = Diagnosis { calibration_moved: moved, empirical, ..entry };
     Ok(Diagnosis { answer: words::answer(&entry), ..entry })
 }

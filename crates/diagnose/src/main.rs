@@ -30,6 +30,9 @@ struct Cli {
     /// Write the refitted calibration even if no effect was found
     #[arg(long)]
     refit: bool,
+    /// Adopt structure that no effect explains as the effect `empirical`: a smooth function of what it follows
+    #[arg(long)]
+    empirical: bool,
     /// Write the plan of the recording that would decide between the alternatives, for `simulate campaign`
     #[arg(long, value_name = "FILE")]
     plan: Option<PathBuf>,
@@ -51,10 +54,20 @@ fn main() -> ExitCode {
 fn run(cli: &Cli) -> anyhow::Result<()> {
     let mut arguments = vec![format!("--seed={}", cli.seed), format!("--level={}", cli.level)];
     let without = cli.without.clone();
-    let mut options = Options { seed: cli.seed, level: cli.level, refit: cli.refit, against: None, without };
+    let mut options = Options {
+        seed: cli.seed,
+        level: cli.level,
+        refit: cli.refit,
+        against: None,
+        without,
+        empirical: cli.empirical,
+    };
     arguments.extend(cli.without.iter().map(|kind| format!("--without={}", kind.name())));
     if cli.refit {
         arguments.push("--refit".into());
+    }
+    if cli.empirical {
+        arguments.push("--empirical".into());
     }
     if let Some(path) = &cli.against {
         let input = Input::read(Some(path))?;

@@ -27,6 +27,8 @@ const FAMILIES: f64 = 5.0;
 pub struct Structure {
     /// What follows what.
     pub what: What,
+    /// The shape at which it does so best.
+    pub shape: Option<f64>,
     /// Probability by chance, all families.
     pub p_adjusted: f64,
     /// By how much it lowers the sum of squares.
@@ -171,20 +173,20 @@ impl<'p> Searcher<'p> {
             if already(&fit.state, candidate) {
                 continue;
             }
-            let mut best: Option<(f64, f64, usize)> = None;
+            let mut best: Option<(f64, f64, usize, Option<f64>)> = None;
             let mut sizes = Vec::new();
-            for group in search {
+            for (group, trial) in search.iter().zip(&candidate.trials) {
                 let gain = screen.gain(group)?;
                 let p = rest.p(gain.gain, gain.rank);
                 sizes.push((gain.gain, gain.coefficients.first().copied().unwrap_or(0.0)));
                 if best
                     .as_ref()
-                    .is_none_or(|(least, most, _)| p < *least || (p == *least && gain.gain > *most))
+                    .is_none_or(|(least, most, ..)| p < *least || (p == *least && gain.gain > *most))
                 {
-                    best = Some((p, gain.gain, gain.rank));
+                    best = Some((p, gain.gain, gain.rank, trial.shape));
                 }
             }
-            let Some((p, gain, rank)) = best else { continue };
+            let Some((p, gain, rank, shape)) = best else { continue };
             let chance =
                 self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
             least_p = least_p.min(families(chance));
@@ -194,7 +196,7 @@ impl<'p> Searcher<'p> {
             match &candidate.what {
                 What::Smooth { .. } => {
                     let (what, p_adjusted) = (candidate.what.clone(), families(chance));
-                    structures.push(Structure { what, p_adjusted, gain, unknowns: rank as f64 });
+                    structures.push(Structure { what, shape, p_adjusted, gain, unknowns: rank as f64 });
                 }
                 what => {
                     // What an effect without amplitude does at a shape must be what is seen, and not its

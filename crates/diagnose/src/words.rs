@@ -74,7 +74,7 @@ pub fn answer(entry: &Diagnosis) -> String {
             format!("{refitted}, {noise}; no effect explains the residual: {left}")
         }
     };
-    said + &plain::in_words(fit)
+    said + &adopted(entry) + &plain::in_words(fit)
 }
 
 /// The effects in the catalogue's words, with the sizes of the first, the one that does most.
@@ -87,6 +87,20 @@ fn names(entry: &Diagnosis) -> String {
     let others: Vec<String> = others.iter().map(titled).collect();
     let others = if others.is_empty() { String::new() } else { format!(", and {}", others.join(", ")) };
     format!("{} ({}){others}", titled(first), parameters(first, HEAD))
+}
+
+/// What was adopted without a name.
+fn adopted(entry: &Diagnosis) -> String {
+    let (Some(first), Some(last)) = (entry.empirical.first(), entry.empirical.last()) else {
+        return String::new();
+    };
+    let columns: Vec<&str> = entry.empirical.iter().map(|one| one.column.as_str()).collect();
+    format!(
+        "; adopted without a name: functions of {}, with which the rms of held-out readings falls from {} to {} nT",
+        columns.join(", "),
+        significant(first.held_out_before_nt, 3),
+        significant(last.held_out_after_nt, 3)
+    )
 }
 
 /// Whether a kind of physics is certain and explains most, where no member of it is.

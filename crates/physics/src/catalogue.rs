@@ -96,6 +96,7 @@ catalogue![
     InductionDifference,
     PillarTilt,
     PillarSettling,
+    Empirical,
 ];
 
 impl Kind {

@@ -109,3 +109,33 @@ fn nothing_outside_the_catalogue_gets_a_name_of_the_catalogue() {
     assert!(wrong.is_empty(), "{wrong:#?}");
     assert!(silent.is_empty(), "not seen: {silent:#?}");
 }
+
+/// Adopted, structure is in the model: the next run begins where this one ended.
+#[test]
+fn structure_without_a_name_is_adopted_where_that_is_asked_for() {
+    for odd in [&ODD[5], &ODD[6]] {
+        let mut document = simulated(Scene::Runs, &[], &noise(), 78);
+        with_odd(&mut document, odd, 4.0);
+        let options = Options { empirical: true, ..Options::default() };
+        let found = diagnose::run(document, &options).expect("diagnosed");
+        let entry = found.diagnosis.as_ref().expect("a diagnosis")[0].clone();
+        let fit = entry.fit.as_ref().expect("a fit");
+        let (first, last) = (entry.empirical.first().expect(odd.0), entry.empirical.last().expect(odd.0));
+        assert!(last.held_out_after_nt < 0.8 * first.held_out_before_nt, "{}: {entry:?}", odd.0);
+        assert!(fit.rms_after_nt < fit.rms_refitted_nt);
+        let adopted = found
+            .model
+            .as_ref()
+            .map_or(0, |model| model.effects.iter().filter(|effect| effect.effect == "empirical").count());
+        assert_eq!(adopted, entry.empirical.len());
+        let again =
+            diagnose::run(found, &Options::default()).expect("diagnosed").diagnosis.expect("one").remove(0);
+        let began = again.fit.expect("a fit").rms_before_nt;
+        assert!(
+            (began / fit.rms_after_nt - 1.0).abs() < 1e-6,
+            "{}: {began} after {}",
+            odd.0,
+            fit.rms_after_nt
+        );
+    }
+}

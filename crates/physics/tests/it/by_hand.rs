@@ -523,3 +523,17 @@ fn effects_that_act_at_times_of_their_own() {
         assert!((found[row].x - known).abs() < 1e-9, "{row}: {}", found[row].x);
     }
 }
+
+#[test]
+fn structure_without_a_name_by_polynomials() {
+    // Places −1, 0 and, beyond the end, 1: T_1 = −1, 0, 1; T_2 = 1, −1, 1; T_3 = −1, 0, 1.
+    let document =
+        || bench(json!({"time_s": [0, 10, 20], "coil_y_a": [-20, 0, 90], "load_w": [30, 50, 90]}), json!({}));
+    let of = |column: &str, from: f64, to: f64| {
+        json!({"effect": "empirical", "column": column,
+            "parameters": {"from": from, "to": to, "x_1_nt": 2, "z_2_nt": 3, "z_3_nt": 10}})
+    };
+    let added = [[-2.0, 0.0, 3.0 - 10.0], [0.0, 0.0, -3.0], [2.0, 0.0, 3.0 + 10.0]];
+    assert_adds(document(), of("load_w", 30.0, 70.0), &added);
+    assert_adds(document(), of("field_y", -20_000.0, 20_000.0), &added);
+}

@@ -26,9 +26,9 @@ fn the_page_is_what_the_catalogue_says() {
 fn json_holds_every_effect_with_its_ranges() {
     let run = testkit::run(SIMULATE, &["effects", "--layout", "json"], "");
     let effects: Vec<Value> = serde_json::from_str(&run.stdout).expect("JSON");
-    assert_eq!(effects.len(), 54);
+    assert_eq!(effects.len(), 55);
     for effect in &effects {
-        for key in ["effect", "title", "physics", "equation", "source", "place", "acts_on"] {
+        for key in ["effect", "title", "physics", "equation", "source", "family", "place", "acts_on"] {
             assert!(effect[key].as_str().is_some_and(|text| !text.is_empty()), "{effect}");
         }
         for parameter in effect["parameters"].as_array().expect("a list") {
@@ -42,7 +42,7 @@ fn json_holds_every_effect_with_its_ranges() {
 fn one_effect_or_a_name_that_is_none() {
     let run = testkit::run(SIMULATE, &["effects", "perming"], "");
     assert!(
-        run.stdout.starts_with("sensor\n  perming: offset steps after a large field\n"),
+        run.stdout.starts_with("own_field\n  perming: offset steps after a large field\n"),
         "{}",
         run.stdout
     );

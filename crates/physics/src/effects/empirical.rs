@@ -1,0 +1,78 @@
+use super::prelude::*;
+use crate::memory::{Before, Signal};
+
+/// Highest order of a polynomial.
+const ORDER: usize = 6;
+/// Parameters before the coefficients.
+const BEFORE: usize = 3;
+
+/// dB = Σ c_k T_k(x) for each sensor, T_k Chebyshev's polynomials of the orders 1 to 6 and x from −1 to 1 by the
+/// place of the covariate between its two ends. The covariate is a recorded column, `time_s` on the campaign's
+/// clock, or `field_x`, `field_y`, `field_z` in SEN; with a lag τ it is by how much that is off its own past, a
+/// first-order lag in equilibrium at the first row.
+pub struct Empirical;
+
+macro_rules! coefficients {
+    ($($name:literal),+) => {
+        &[
+            ParameterInfo::span("from", 0.001, 1.0),
+            ParameterInfo::span("to", 1.0, 1e6),
+            ParameterInfo::span("lag_s", 0.1, 1e5),
+            $(ParameterInfo::amplitude($name, 0.001, 10_000.0).or_zero()),+
+        ]
+    };
+}
+
+impl Effect for Empirical {
+    const ABOUT: About = About {
+        name: "empirical",
+        title: "structure without a name follows something recorded",
+        physics: "No physics: a smooth function of a recorded column, of time or of the field, fitted to what no effect \
+            explains. It predicts readings in the same range of what it follows, and nothing outside it.",
+        equation: "dB = c_1 T_1(x) + ... + c_6 T_6(x), x = (2 u - from - to) / (to - from) within -1 and 1, u the column, or by how much it is off its own past with tau > 0",
+        source: "T. J. Rivlin 1990, Chebyshev Polynomials, 2nd ed., Wiley",
+        family: Family::FollowsColumn,
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::WithColumn,
+        parameters: coefficients!(
+            "x_1_nt", "x_2_nt", "x_3_nt", "x_4_nt", "x_5_nt", "x_6_nt", "y_1_nt", "y_2_nt", "y_3_nt",
+            "y_4_nt", "y_5_nt", "y_6_nt", "z_1_nt", "z_2_nt", "z_3_nt", "z_4_nt", "z_5_nt", "z_6_nt"
+        ),
+        needs: &["a column, or `field_x`, `field_y`, `field_z`", "rows in the order taken"],
+    };
+
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
+        let [from, to, lag_s] = [parameters[0], parameters[1], parameters[2]];
+        let context = around.context;
+        let mut values: Vec<T> = match around.column {
+            "field_x" => around.field_sen.iter().map(|field| field[0]).collect(),
+            "field_y" => around.field_sen.iter().map(|field| field[1]).collect(),
+            "field_z" => around.field_sen.iter().map(|field| field[2]).collect(),
+            name => {
+                let zero = if name == "time_s" { context.clock_s } else { 0.0 };
+                context.column(name, Self::ABOUT.name)?.iter().map(|value| T::from(value + zero)).collect()
+            }
+        };
+        if lag_s.re() > 0.0 {
+            let time = context.times(Self::ABOUT.name)?;
+            let past = Signal::new(time, values.clone()).lagged(lag_s, Before::Equilibrium);
+            values.iter_mut().zip(past).for_each(|(value, past)| *value -= past);
+        }
+        if from.re().partial_cmp(&to.re()) != Some(std::cmp::Ordering::Less) {
+            return Ok(());
+        }
+        for (field, value) in signal.iter_mut().zip(values) {
+            let place = (value * 2.0 - from - to) / (to - from);
+            let place = if place.re().abs() > 1.0 { T::from(place.re().signum()) } else { place };
+            let (mut before, mut now) = (T::one(), place);
+            for order in 0..ORDER {
+                for sensor in 0..3 {
+                    field[sensor] += parameters[BEFORE + ORDER * sensor + order] * now;
+                }
+                (before, now) = (now, place * now * 2.0 - before);
+            }
+        }
+        Ok(())
+    }
+}
