@@ -244,6 +244,17 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         Some((all, member, coefficients))
     }
 
+    /// The shape of an atom that gains most by itself, however likely it is, and its coefficients.
+    pub fn nearest(&self, number: usize) -> Option<(usize, Vec<f64>)> {
+        let atom = &self.atoms.all[number];
+        let gains = atom.shapes.iter().enumerate().filter_map(|(shape, of)| {
+            let gain = self.screen.gain(&of.columns).ok()?;
+            (!atom.finite || gain.coefficients.first().is_some_and(|c| *c > 0.0)).then_some((shape, gain))
+        });
+        let most = gains.max_by(|a, b| a.1.gain.total_cmp(&b.1.gain));
+        most.map(|(shape, gain)| (shape, gain.coefficients))
+    }
+
     /// Brings in the forms of members that have none yet.
     fn add_forms<'f>(&mut self, members: impl Iterator<Item = &'f (Member, Vec<f64>)>) {
         let mut fresh: Vec<(&Member, &[f64])> = Vec::new();

@@ -355,8 +355,8 @@ fn alternative(
     Alternative { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
 }
 
-/// The names of sets nearly as probable as the best, and sets of names alone that explain nearly as much:
-/// they may do better at the shapes that they come to.
+/// The names of sets nearly as probable as the best, sets of names alone that explain nearly as much, and names of
+/// the kind of physics that structure of the best set is: they may do better at the shapes that they come to.
 fn rivals(
     model: &Model<'_>,
     atoms: &Atoms<'_>,
@@ -373,14 +373,30 @@ fn rivals(
         });
         additions.collect()
     };
-    let most = sets.gain(&ranked[0].members);
+    let gain = sets.gain(&ranked[0].members);
     let explains = |set: &Set| {
         set.members.iter().all(|member| atoms.all[member.atom].is_named())
-            && sets.gain(&set.members) > AS_MUCH * most
+            && sets.gain(&set.members) > AS_MUCH * gain
     };
     // One set for each name whose shapes no fit has found yet.
     let mut known: Vec<usize> = ranked[0].members.iter().map(|member| member.atom).collect();
     let mut chosen = Vec::new();
+    let structures =
+        ranked[0].members.iter().map(|member| &atoms.all[member.atom]).filter(|atom| !atom.is_named());
+    for structure in structures {
+        for (number, atom) in atoms.all.iter().enumerate() {
+            let is_of = families::of(atom) == families::of(structure) && atom.sensor() == structure.sensor();
+            let fitted = atom.shapes.iter().any(|shape| shape.fitted.is_some());
+            if !(is_of && atom.is_named() && atom.shapes.len() > 1) || fitted || known.contains(&number) {
+                continue;
+            }
+            known.push(number);
+            if let Some((shape, coefficients)) = sets.nearest(number) {
+                chosen.push(additions(model, &atom.thing, &atom.shapes[shape], &coefficients));
+            }
+        }
+    }
+    let most = chosen.len() + REFITTED;
     for set in ranked.iter().filter(|set| ranked[0].log - set.log < NEARLY || explains(set)) {
         let is_fresh = |member: &&Member| {
             let atom = &atoms.all[member.atom];
@@ -392,7 +408,7 @@ fn rivals(
             known.extend(fresh);
             chosen.push(of(set));
         }
-        if chosen.len() == REFITTED {
+        if chosen.len() == most {
             break;
         }
     }
