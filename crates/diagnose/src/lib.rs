@@ -257,8 +257,11 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
     Ok(document)
 }
 
-/// Says that no effect was left out beside another instrument.
+/// Says that no effect was left out beside another instrument, and nothing adopted without a name.
 fn all_considered(mut entry: Diagnosis, options: &Options) -> Diagnosis {
+    if options.empirical {
+        entry.reasons.push("note: --empirical adopts nothing beside another instrument".into());
+    }
     if !options.without.is_empty() {
         let names: Vec<&str> = options.without.iter().map(|kind| kind.name()).collect();
         entry.reasons.push(format!(

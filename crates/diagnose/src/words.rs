@@ -121,8 +121,13 @@ fn family(family: &ExplainedFamily) -> String {
     if family.no_member >= 0.01 {
         members.push(format!("another form {}", probability(family.no_member)));
     }
+    let why = if family.members.first().is_some_and(|member| member.probability >= SURE) {
+        "none of whose members explains enough to be named"
+    } else {
+        "of which no member is certain"
+    };
     format!(
-        "{sensors}{} (probability {}), which of its forms is not determined ({})",
+        "{sensors}{} (probability {}), {why} ({})",
         family.title,
         probability(family.probability),
         members.join(", ")
