@@ -58,6 +58,7 @@ catalogue![
     WarmUp,
     Ageing,
     SensitivityAgeing,
+    Empirical,
     OffsetElectronicsTemperature,
     OffsetElectronicsTemperatureLag,
     SensitivityElectronicsTemperature,
@@ -96,7 +97,6 @@ catalogue![
     InductionDifference,
     PillarTilt,
     PillarSettling,
-    Empirical,
 ];
 
 impl Kind {
