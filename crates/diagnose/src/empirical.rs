@@ -37,13 +37,14 @@ pub fn adopt(
     let (mut adopted, mut tried): (Vec<AdoptedStructure>, Vec<EffectInstance>) = (Vec::new(), Vec::new());
     let mut before = left_out(&Fitter { model, noise: &outcome.noise }, &outcome.fit)?;
     while adopted.len() < MOST && tried.len() < TRIED {
-        let effects = outcome.last.structures.iter().filter_map(|structure| form(model, &fields, structure));
+        let mut effects =
+            outcome.last.structures.iter().filter_map(|structure| form(model, &fields, structure));
         let fresh = |effect: &EffectInstance| {
             !tried
                 .iter()
                 .any(|other| (&other.column, other.parameters[2]) == (&effect.column, effect.parameters[2]))
         };
-        let Some(effect) = effects.filter(fresh).next() else { break };
+        let Some(effect) = effects.find(fresh) else { break };
         tried.push(effect.clone());
         let fitter = Fitter { model, noise: &outcome.noise };
         let fit = fitted(&fitter, &outcome.fit, &effect)?;

@@ -40,6 +40,9 @@ const KNOWN: [&str; 8] = [
     "position_m",
 ];
 
+/// A series in each recording that has it.
+type Series = [Option<Vec<f64>>];
+
 /// A candidate with the columns of its shapes.
 type Generic = (What, Vec<(Option<f64>, Vec<Stacked>)>);
 
@@ -208,7 +211,7 @@ fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
 }
 
 /// What series were before, by a first-order lag of some rows, in recordings with times.
-fn past(model: &Model<'_>, series: &[Option<Vec<f64>>], rows: f64) -> Vec<Option<Vec<f64>>> {
+fn past(model: &Model<'_>, series: &Series, rows: f64) -> Vec<Option<Vec<f64>>> {
     let of = |(run, series): (&Run<'_>, &Option<Vec<f64>>)| {
         let (time, series) = (run.time_s?, series.as_ref()?);
         Some(Signal::new(time, series.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium))
@@ -220,7 +223,7 @@ fn past(model: &Model<'_>, series: &[Option<Vec<f64>>], rows: f64) -> Vec<Option
 fn off(
     model: &Model<'_>,
     axis: Axis,
-    (series, past): (&[Option<Vec<f64>>], &[Option<Vec<f64>>]),
+    (series, past): (&Series, &Series),
     form: fn(f64, f64) -> f64,
 ) -> Stacked {
     stack(model, axis, |_, channel| {
