@@ -145,5 +145,5 @@ fn structure_without_a_name_is_adopted_where_that_is_asked_for() {
             fit.rms_after_nt
         );
     }
-    assert!(lowered > 0, "{lowered}");
+    assert!(2 * lowered >= some.len(), "{lowered}");
 }
