@@ -108,8 +108,8 @@ def diffmag(document: Document, *, correct_clock: bool = False, drop_recordings:
     return call("diffmag", **locals())
 
 
-def diagnose(document: Document, *, against: Document | None = None, refit: bool = False, without: Iterable[str] = (), seed: int | None = None,
-             level: float | None = None, drop_recordings: bool = False) -> dict[str, Any]:
+def diagnose(document: Document, *, against: Document | None = None, refit: bool = False, empirical: bool = False, without: Iterable[str] = (),
+             seed: int | None = None, level: float | None = None, drop_recordings: bool = False) -> dict[str, Any]:
     """What physics the model left out."""
     return call("diagnose", **locals())
 

@@ -7,7 +7,7 @@ use physics::{Acts, EffectInstance, ParameterInfo, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::candidates::{Candidate, Pool};
-use crate::covariates::{self, ALONG};
+use crate::covariates;
 use crate::decide::{BEYOND, NAMELESS, SIZE_STEP, STEPS_BEYOND};
 use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
@@ -94,12 +94,9 @@ impl Atom {
     /// Whether structure is what it does in its sensor, in a form that is left open: along a recorded column that it
     /// follows.
     pub fn is_open_form(&self, structure: &Self) -> bool {
-        let recorded = |covariate: &str| {
-            covariate != ALONG && Axis::ALL.into_iter().all(|axis| covariate != covariates::across(axis))
-        };
         match &structure.thing {
             Thing::Smooth(covariate, axis) => {
-                recorded(covariate) && self.sensor() == Some(*axis) && self.follows(structure)
+                !covariates::is_field(covariate) && self.sensor() == Some(*axis) && self.follows(structure)
             }
             _ => false,
         }

@@ -222,10 +222,10 @@ pub fn searched(kind: Kind) -> Option<usize> {
 fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     let mut all = Vec::new();
     for &kind in Kind::ALL {
-        // Lines, events and codes are searched by themselves; what has no name is none.
+        // Lines, events and codes are searched by themselves, and what has no name is none.
         let apart = |info: &ParameterInfo| info.is_moment() || info.name == "frequency_hz";
         let apart = kind.parameters().iter().any(apart);
-        if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity | Kind::Empirical) {
+        if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity) {
             continue;
         }
         let one = |axis: Option<Axis>, column: Option<String>| {

@@ -24,6 +24,11 @@ pub fn across(other: Axis) -> String {
     format!("the transverse field ({other})")
 }
 
+/// Whether a name is of the field along or across a sensor.
+pub fn is_field(name: &str) -> bool {
+    name == ALONG || Axis::ALL.into_iter().any(|axis| name == across(axis))
+}
+
 /// Whether a name is of a field across a sensor, or of its past.
 pub fn is_across(name: &str) -> bool {
     Axis::ALL.into_iter().any(|other| name.contains(&across(other)))
@@ -31,7 +36,6 @@ pub fn is_across(name: &str) -> bool {
 
 /// What kind of physics it is to follow something.
 pub fn family(covariate: &str) -> Family {
-    let is_field = |name: &str| name == ALONG || Axis::ALL.into_iter().any(|axis| name == across(axis));
     match covariate {
         name if name.strip_prefix(PAST).is_some_and(is_field) => Family::LateResponse,
         name if is_field(name) => Family::OwnField,
@@ -42,18 +46,27 @@ pub fn family(covariate: &str) -> Family {
     }
 }
 
-/// The column under which the effect `empirical` has what a sensor follows, and whether it is the past of that;
-/// None where it has none.
-pub fn column(covariate: &str, sensor: Axis) -> Option<(String, bool)> {
+/// What structure follows, as the effect `empirical` has it.
+pub struct Followed<'n> {
+    /// The name of the covariate.
+    pub name: &'n str,
+    /// The column that the effect has it under.
+    pub column: String,
+    /// Whether by how much it is off its own past.
+    pub past: bool,
+}
+
+/// The same of what a sensor follows; None for what the effect does not have.
+pub fn followed(covariate: &str, sensor: Axis) -> Option<Followed<'_>> {
     let past = covariate.strip_prefix(PAST).or_else(|| covariate.strip_prefix(RATE));
     let name = past.unwrap_or(covariate);
     let across = Axis::ALL.into_iter().find(|axis| name == across(*axis));
-    let name = match across.or((name == ALONG).then_some(sensor)) {
+    let column = match across.or((name == ALONG).then_some(sensor)) {
         Some(axis) => format!("field_{axis}"),
         None if name.ends_with(WITH_TIME) || ["row", "position_m"].contains(&name) => return None,
         None => name.to_string(),
     };
-    Some((name, past.is_some()))
+    Some(Followed { name, column, past: past.is_some() })
 }
 
 /// What is known of the Sun.

@@ -4,14 +4,13 @@ use common::{AdoptedStructure, Verdict};
 use estimate::gauss_newton::{Directions, Linear};
 use faer::Mat;
 use nalgebra::Vector3;
-use physics::memory::{Before, Signal};
 use physics::{EffectInstance, Kind};
 
 use crate::Error;
 use crate::Outcome;
-use crate::covariates;
+use crate::covariates::{self, Followed};
 use crate::fit::{Fit, Fitter};
-use crate::generic::mean_step_s;
+use crate::generic::{self, mean_step_s};
 use crate::model::Model;
 use crate::search::{Searcher, Structure};
 use crate::waves::range;
@@ -91,27 +90,25 @@ fn left_out(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<f64, Error> {
 /// The effect that follows what a structure follows, coefficients zero.
 fn form(model: &Model<'_>, fields: &[Vec<Vector3<f64>>], structure: &Structure) -> Option<EffectInstance> {
     let What::Smooth { covariate, axis } = &structure.what else { return None };
-    let (column, past) = covariates::column(covariate, *axis)?;
+    let Followed { name, column, past } = covariates::followed(covariate, *axis)?;
     let runs = &model.observed.runs;
     let step_s = runs.iter().find_map(|run| run.time_s.map(mean_step_s));
     let lag_s = if past { structure.shape? * step_s? } else { 0.0 };
-    let name = covariate.strip_prefix(covariates::PAST).or_else(|| covariate.strip_prefix(covariates::RATE));
-    let mut values = Vec::new();
-    for (number, run) in runs.iter().enumerate() {
-        let own = match (column.as_str(), run.time_s) {
-            ("time_s", Some(time)) => Some(time.iter().map(|t| t + run.setting.context.clock_s).collect()),
-            _ => covariates::values(model, fields, number, Some(*axis), name.unwrap_or(covariate)),
-        };
-        let Some(own) = own else { continue };
-        match run.time_s.filter(|_| past) {
-            Some(time) => {
-                let before = Signal::new(time, own.clone()).lagged(lag_s, Before::Equilibrium);
-                values.extend(own.iter().zip(before).map(|(own, before)| own - before));
-            }
-            None => values.extend(own),
+    let series = |number: usize| match (name, runs[number].time_s) {
+        ("time_s", Some(time)) => {
+            Some(time.iter().map(|t| t + runs[number].setting.context.clock_s).collect())
+        }
+        _ => covariates::values(model, fields, number, Some(*axis), name),
+    };
+    let mut series: Vec<Option<Vec<f64>>> = (0..runs.len()).map(series).collect();
+    if past {
+        let before = generic::past(model, &series, |_| lag_s);
+        for (own, before) in series.iter_mut().zip(before) {
+            let off = own.iter().flatten().zip(before.iter().flatten()).map(|(own, before)| own - before);
+            *own = Some(off.collect());
         }
     }
-    let [from, to] = range(values.iter())?;
+    let [from, to] = range(series.iter().flatten().flatten())?;
     let mut effect =
         EffectInstance::new(Kind::Empirical, None, vec![0.0; Kind::Empirical.parameters().len()]);
     effect.column = Some(column);

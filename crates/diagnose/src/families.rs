@@ -8,8 +8,8 @@ use crate::covariates;
 use crate::proposal::Addition;
 use crate::sets::Set;
 
-/// Members that are less probable are not told.
-const LEAST: f64 = 0.02;
+/// Members, and forms that no member has, that are less probable are not told.
+pub const LEAST: f64 = 0.02;
 
 /// What kind of physics an atom is; structure without a name by what it follows.
 pub fn of(atom: &Atom) -> Family {

@@ -25,7 +25,8 @@ const ITERATION: Control = Control {
     keep: true,
 };
 const LIGHTEST: f64 = 1e-10;
-/// Most steps from a fit nearby: what takes more is no minimum of the effects that came in.
+/// Most steps from a fit nearby. A few that need more are rivals on the way to shapes or turns far from any that are
+/// plausible; they took most of the time.
 const NEAR: usize = 40;
 /// Rows whose products are taken at once.
 const BLOCK: usize = 16_384;

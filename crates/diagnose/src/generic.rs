@@ -41,7 +41,7 @@ const KNOWN: [&str; 8] = [
 ];
 
 /// A series in each recording that has it.
-type Series = [Option<Vec<f64>>];
+pub type Series = [Option<Vec<f64>>];
 
 /// A candidate with the columns of its shapes.
 type Generic = (What, Vec<(Option<f64>, Vec<Stacked>)>);
@@ -174,7 +174,7 @@ fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]
     let field = |run: usize| fields[run].iter().map(|field| field[of.index()] / largest).collect();
     let series: Vec<Option<Vec<f64>>> = (0..fields.len()).map(|run| Some(field(run))).collect();
     let trials = PAST_ROWS.map(|rows| {
-        let past = past(model, &series, rows);
+        let past = past(model, &series, |time| rows * mean_step_s(time));
         let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
         let columns: Vec<Stacked> = vec![
             column(|_, off| off),
@@ -203,18 +203,18 @@ fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
     let series: Vec<Option<Vec<f64>>> = model.observed.runs.iter().map(column).collect();
     series.iter().find(|series| series.is_some())?;
     let trials = PAST_ROWS.map(|rows| {
-        let past = past(model, &series, rows);
+        let past = past(model, &series, |time| rows * mean_step_s(time));
         let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
         (Some(rows), vec![column(|_, off| off), column(|_, off| off * off)])
     });
     Some((What::Smooth { covariate: format!("{RATE}{name}"), axis }, trials.to_vec()))
 }
 
-/// What series were before, by a first-order lag of some rows, in recordings with times.
-fn past(model: &Model<'_>, series: &Series, rows: f64) -> Vec<Option<Vec<f64>>> {
+/// What series were before, by a first-order lag in recordings with times.
+pub fn past(model: &Model<'_>, series: &Series, lag_s: impl Fn(&[f64]) -> f64) -> Vec<Option<Vec<f64>>> {
     let of = |(run, series): (&Run<'_>, &Option<Vec<f64>>)| {
         let (time, series) = (run.time_s?, series.as_ref()?);
-        Some(Signal::new(time, series.clone()).lagged(rows * mean_step_s(time), Before::Equilibrium))
+        Some(Signal::new(time, series.clone()).lagged(lag_s(time), Before::Equilibrium))
     };
     model.observed.runs.iter().zip(series).map(of).collect()
 }

@@ -381,13 +381,17 @@ fn rivals(
     // One set for each name whose shapes no fit has found yet.
     let mut known: Vec<usize> = ranked[0].members.iter().map(|member| member.atom).collect();
     let mut chosen = Vec::new();
+    let is_fresh = |number: usize, known: &[usize]| {
+        let atom = &atoms.all[number];
+        let fitted = atom.shapes.iter().any(|shape| shape.fitted.is_some());
+        atom.is_named() && atom.shapes.len() > 1 && !fitted && !known.contains(&number)
+    };
     let structures =
         ranked[0].members.iter().map(|member| &atoms.all[member.atom]).filter(|atom| !atom.is_named());
     for structure in structures {
         for (number, atom) in atoms.all.iter().enumerate() {
             let is_of = families::of(atom) == families::of(structure) && atom.sensor() == structure.sensor();
-            let fitted = atom.shapes.iter().any(|shape| shape.fitted.is_some());
-            if !(is_of && atom.is_named() && atom.shapes.len() > 1) || fitted || known.contains(&number) {
+            if !is_of || !is_fresh(number, &known) {
                 continue;
             }
             known.push(number);
@@ -398,12 +402,8 @@ fn rivals(
     }
     let most = chosen.len() + REFITTED;
     for set in ranked.iter().filter(|set| ranked[0].log - set.log < NEARLY || explains(set)) {
-        let is_fresh = |member: &&Member| {
-            let atom = &atoms.all[member.atom];
-            let fitted = atom.shapes.iter().any(|shape| shape.fitted.is_some());
-            atom.is_named() && atom.shapes.len() > 1 && !fitted && !known.contains(&member.atom)
-        };
-        let fresh: Vec<usize> = set.members.iter().filter(is_fresh).map(|member| member.atom).collect();
+        let members = set.members.iter().map(|member| member.atom);
+        let fresh: Vec<usize> = members.filter(|number| is_fresh(*number, &known)).collect();
         if !fresh.is_empty() {
             known.extend(fresh);
             chosen.push(of(set));

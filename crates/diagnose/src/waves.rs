@@ -17,11 +17,9 @@ pub fn place(value: f64, [low, high]: [f64; 2]) -> Option<f64> {
     x.is_finite().then(|| x.clamp(-1.0, 1.0))
 }
 
-/// The Chebyshev polynomial of an order over a range; zero where there is no value.
+/// The Chebyshev polynomial of an order, from the first on, over a range; zero where there is no value.
 pub fn polynomial(order: usize, value: f64, range: [f64; 2]) -> f64 {
-    // T_{k+1} = 2 x T_k − T_{k−1}.
-    let up_to = |x: f64| (0..order).fold((x, 1.0), |(before, now), _| (now, 2.0 * x * now - before)).1;
-    place(value, range).map_or(0.0, up_to)
+    place(value, range).and_then(|x| physics::chebyshev(x).nth(order - 1)).unwrap_or(0.0)
 }
 
 /// So many half waves over the span of the campaign's clock, at a row; None without times. They are the

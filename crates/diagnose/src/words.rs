@@ -8,6 +8,7 @@ use common::{
 use std::fmt::Write;
 
 use crate::decide::{AS_MUCH, SURE};
+use crate::families::LEAST;
 use crate::plain;
 
 /// Most parameters of an effect, or parts of a list, that are said.
@@ -65,14 +66,13 @@ pub fn answer(entry: &Diagnosis) -> String {
                 sets.join(" or ")
             )
         }
-        Verdict::Unexplained if entry.families.first().is_some_and(is_sure) => {
-            let [first, ..] = entry.families.as_slice() else { return String::new() };
-            format!("{}; {refitted}, {noise}", family(first))
-        }
-        Verdict::Unexplained => {
-            let left = entry.remaining.as_ref().map_or("unidentified structure", |left| &left.structure);
-            format!("{refitted}, {noise}; no effect explains the residual: {left}")
-        }
+        Verdict::Unexplained => match entry.families.first().filter(|family| is_sure(family)) {
+            Some(first) => format!("{}; {refitted}, {noise}", family(first)),
+            None => {
+                let left = entry.remaining.as_ref().map_or("unidentified structure", |left| &left.structure);
+                format!("{refitted}, {noise}; no effect explains the residual: {left}")
+            }
+        },
     };
     said + &adopted(entry) + &plain::in_words(fit)
 }
@@ -103,7 +103,7 @@ fn adopted(entry: &Diagnosis) -> String {
     )
 }
 
-/// Whether a kind of physics is certain and explains most, where no member of it is.
+/// Whether a kind of physics is certain and explains most.
 fn is_sure(family: &ExplainedFamily) -> bool {
     family.probability >= SURE && family.share >= AS_MUCH
 }
@@ -118,7 +118,7 @@ fn family(family: &ExplainedFamily) -> String {
     };
     let member = |member: &FamilyMember| format!("{} {}", member.effect, probability(member.probability));
     let mut members: Vec<String> = family.members.iter().take(HEAD).map(member).collect();
-    if family.no_member >= 0.01 {
+    if family.no_member >= LEAST {
         members.push(format!("another form {}", probability(family.no_member)));
     }
     let why = if family.members.first().is_some_and(|member| member.probability >= SURE) {

@@ -136,7 +136,12 @@ impl ParameterInfo {
 
     /// A moment of the recording.
     pub const fn epoch(name: &'static str) -> Self {
-        Self { name, low: 1.0, high: 1e7, role: Role::Epoch, absent: None }
+        Self::of_recording(name, 1.0, 1e7)
+    }
+
+    /// What one recording says of itself, such as a moment: it is not fitted and has to be given.
+    pub const fn of_recording(name: &'static str, low: f64, high: f64) -> Self {
+        Self { name, low, high, role: Role::Epoch, absent: None }
     }
 
     /// A span of time that may be nothing, the same in every recording; where it ends the contribution jumps.
@@ -144,7 +149,7 @@ impl ParameterInfo {
         Self { name, low, high, role: Role::Epoch, absent: Some(0.0) }
     }
 
-    /// Whether it is a moment of one recording: what jumps and has to be given.
+    /// Whether it is of one recording, such as a moment: what has to be given.
     pub const fn is_moment(&self) -> bool {
         matches!(self.role, Role::Epoch) && self.absent.is_none()
     }

@@ -1,10 +1,10 @@
 //! Structure that has no name: what it follows, and how, as points to plot.
 
-use common::{Axis, UnnamedStructure};
+use common::UnnamedStructure;
 use nalgebra::Vector3;
 
 use crate::Outcome;
-use crate::covariates::{self, ALONG, across};
+use crate::covariates;
 use crate::generic::mean_step_s;
 use crate::model::Model;
 use crate::verdict::Unnamed;
@@ -38,7 +38,6 @@ fn one(model: &Model<'_>, structure: &Unnamed, fields: &[Vec<Vector3<f64>>]) -> 
         }
         points => (covariate.clone(), points),
     };
-    let is_field = *covariate == ALONG || Axis::ALL.into_iter().any(|other| *covariate == across(other));
     let step_s = model.observed.channels.iter().enumerate().find_map(|(number, channel)| {
         let time = model.observed.runs[channel.run].time_s.filter(|_| values.part(number).is_some())?;
         Some(mean_step_s(time))
@@ -49,7 +48,7 @@ fn one(model: &Model<'_>, structure: &Unnamed, fields: &[Vec<Vector3<f64>>]) -> 
     UnnamedStructure {
         sensor: Some(*axis),
         follows: covariate.clone(),
-        parity: parity(&points).filter(|_| is_field).map(str::to_string),
+        parity: parity(&points).filter(|_| covariates::is_field(covariate)).map(str::to_string),
         lag_s: shape.filter(|_| !is_column).zip(step_s).map(|(rows, step_s)| rows * step_s),
         threshold: shape.filter(|_| is_column),
         share: share.clamp(0.0, 1.0),

@@ -110,8 +110,16 @@ fn nothing_outside_the_catalogue_gets_a_name_of_the_catalogue() {
     assert!(silent.is_empty(), "not seen: {silent:#?}");
 }
 
-/// Adopted, structure is in the model: the next run begins where this one ended. What goes with no column but time
-/// and the rows is too fast for a few polynomials.
+/// Sensitivities of the sensors.
+fn sensitivities(document: &Document) -> Vec<f64> {
+    let sensors = document.calibration.as_ref().and_then(|calibration| calibration.sensors.as_ref());
+    let sensitivity = |sensor: &common::SensorCalibration| {
+        sensor.sensitivity_nt_per_nt.as_ref().map(common::Quantity::value)
+    };
+    sensors.expect("sensors").iter().map(|(_, sensor)| sensitivity(sensor).expect("a sensitivity")).collect()
+}
+
+/// Adopted, structure is in the model: the next run begins where this one ended.
 #[test]
 fn structure_without_a_name_is_adopted_where_that_is_asked_for() {
     let mut lowered = 0;
@@ -119,6 +127,7 @@ fn structure_without_a_name_is_adopted_where_that_is_asked_for() {
     for odd in &some {
         let mut document = simulated(Scene::Runs, &[], &noise(), 78);
         with_odd(&mut document, odd, 4.0);
+        let before = sensitivities(&document);
         let options = Options { empirical: true, ..Options::default() };
         let found = diagnose::run(document, &options).expect("diagnosed");
         let entry = found.diagnosis.as_ref().expect("a diagnosis")[0].clone();
@@ -134,16 +143,21 @@ fn structure_without_a_name_is_adopted_where_that_is_asked_for() {
         }
         lowered += 1;
         assert!(fit.held_out_after_nt < fit.held_out_before_nt && fit.rms_after_nt < fit.rms_refitted_nt);
+        let now = sensitivities(&found);
         let again =
             diagnose::run(found, &Options::default()).expect("diagnosed").diagnosis.expect("one").remove(0);
-        // Turns of the block within what theodolites leave open are not written.
-        let began = again.fit.expect("a fit").rms_before_nt;
-        assert!(
-            (began / fit.rms_after_nt - 1.0).abs() < 1e-3,
-            "{}: {began} after {}",
-            odd.0,
-            fit.rms_after_nt
-        );
+        // A residual is in nT by the sensitivity as stated, and the fit moved that.
+        for (ended, begins) in fit.by_recording.iter().zip(again.fit.expect("a fit").by_recording) {
+            let sensor =
+                ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt"].iter().position(|name| *name == ended.column);
+            let sensor = sensor.expect("a sensor");
+            let expected = ended.rms_after_nt * now[sensor] / before[sensor];
+            assert!(
+                (begins.rms_before_nt / expected - 1.0).abs() < 1e-6,
+                "{}: {begins:?} after {ended:?}",
+                odd.0
+            );
+        }
     }
     assert!(2 * lowered >= some.len(), "{lowered}");
 }

@@ -15,12 +15,18 @@ pub struct Empirical;
 macro_rules! coefficients {
     ($($name:literal),+) => {
         &[
-            ParameterInfo::span("from", 0.001, 1.0),
-            ParameterInfo::span("to", 1.0, 1e6),
+            ParameterInfo::of_recording("from", 0.001, 1.0),
+            ParameterInfo::of_recording("to", 1.0, 1e6),
             ParameterInfo::span("lag_s", 0.1, 1e5),
             $(ParameterInfo::amplitude($name, 0.001, 10_000.0).or_zero()),+
         ]
     };
+}
+
+/// Chebyshev's polynomials of a number from the first order on: T_{k+1} = 2 x T_k − T_{k−1}.
+pub fn chebyshev<T: Real>(x: T) -> impl Iterator<Item = T> {
+    std::iter::successors(Some((T::one(), x)), move |(before, now)| Some((*now, x * *now * 2.0 - *before)))
+        .map(|(_, now)| now)
 }
 
 impl Effect for Empirical {
@@ -65,12 +71,10 @@ impl Effect for Empirical {
         for (field, value) in signal.iter_mut().zip(values) {
             let place = (value * 2.0 - from - to) / (to - from);
             let place = if place.re().abs() > 1.0 { T::from(place.re().signum()) } else { place };
-            let (mut before, mut now) = (T::one(), place);
-            for order in 0..ORDER {
+            for (order, polynomial) in chebyshev(place).take(ORDER).enumerate() {
                 for sensor in 0..3 {
-                    field[sensor] += parameters[BEFORE + ORDER * sensor + order] * now;
+                    field[sensor] += parameters[BEFORE + ORDER * sensor + order] * polynomial;
                 }
-                (before, now) = (now, place * now * 2.0 - before);
             }
         }
         Ok(())

@@ -30,7 +30,7 @@ pub use clock::{ClockOffset, ClockRate};
 pub use coil::{CoilHeating, CoilTemperature, EddyCurrents};
 pub use converter::{Clipping, DifferentialNonlinearity, Quantisation, Saturation};
 pub use cross_field::{CrossField, CrossFieldSensitivity};
-pub use empirical::Empirical;
+pub use empirical::{Empirical, chebyshev};
 pub use gradient::{CoilGradient, OffCentre, add_known_gradient};
 pub use hysteresis::{Hysteresis, Perming};
 pub use inflection::OffsetTemperatureInflection;
