@@ -5,10 +5,7 @@ use physics::{EffectInstance, Parameter, Role};
 use crate::Error;
 use crate::atoms::{Shape, Thing};
 use crate::candidates::searched;
-use crate::dependence;
-use crate::fit::{Fit, Fitter};
-use crate::generic::following;
-use crate::model::{Column, Follows, Model, State};
+use crate::model::{Model, State};
 use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
 
@@ -22,7 +19,8 @@ pub fn at_shapes(
     let with = model.with(state, effect.clone());
     let number = with.effects.len() - 1;
     let infos = effect.kind.parameters();
-    let shapes: Vec<usize> = (0..infos.len()).filter(|k| infos[*k].role == Role::Shape).collect();
+    let shapes: Vec<usize> =
+        (0..infos.len()).filter(|k| infos[*k].is_shape_at(effect.parameters[*k])).collect();
     let stacked = |columns: Vec<Vec<f64>>| -> Vec<Stacked> {
         columns.iter().map(|column| Stacked::of(&model.observed, column)).collect()
     };
@@ -47,7 +45,7 @@ pub fn columns_of(
     event: &Proposal,
 ) -> Result<Option<(Vec<Stacked>, bool)>, Error> {
     let (dense, finite) = match &event.addition {
-        Addition::Column(column) => (vec![column.values.to_vec()], false),
+        Addition::Single(single) => (vec![model.one_at(single.row)], false),
         Addition::Effect(effect) => model.columns_of_last(state, &model.with(state, effect.clone()))?,
     };
     let columns: Vec<Stacked> = dense.iter().map(|column| Stacked::of(&model.observed, column)).collect();
@@ -59,26 +57,15 @@ pub fn columns_of(
 pub fn with_additions(model: &Model<'_>, state: &State, additions: &[Addition]) -> State {
     additions.iter().fold(state.clone(), |mut state, addition| match addition {
         Addition::Effect(effect) => model.with(&state, effect.clone()),
-        Addition::Column(column) => {
-            state.columns.push(column.clone());
+        Addition::Single(single) => {
+            state.singles.push(single.clone());
             state
         }
     })
 }
 
-/// A state with all additions, dependences with the lag that fits best.
-pub fn with_all(fitter: &Fitter<'_, '_>, fit: &Fit, additions: &[Addition]) -> Result<State, Error> {
-    let mut state = fit.state.clone();
-    for addition in additions {
-        match addition {
-            Addition::Effect(effect) => state = fitter.model.with(&state, effect.clone()),
-            Addition::Column(column) => state.columns.push(dependence::with_lag(fitter, fit, column)?),
-        }
-    }
-    Ok(state)
-}
-
-/// A state without things that came in, which stand in it from a number of effects and of columns on, and the
+/// A state without things that came in, which stand in it from a number of effects and of single readings on,
+/// and the
 /// numbers behind them.
 pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State, (usize, usize)) {
     let effects = gone.iter().filter(|one| matches!(one, Addition::Effect(_))).count();
@@ -86,12 +73,12 @@ pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State
     let mut state = state.clone();
     state.effects.drain(from.0..to.0);
     state.acts.drain(from.0..to.0);
-    state.columns.drain(from.1..to.1);
+    state.singles.drain(from.1..to.1);
     (state, to)
 }
 
 /// What comes in for an atom at a shape with its coefficients.
-pub fn additions(model: &Model<'_>, thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
+pub fn additions(thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
     match thing {
         Thing::Effect(template) => {
             let mut effect = shape.fitted.as_ref().unwrap_or(template).clone();
@@ -112,16 +99,6 @@ pub fn additions(model: &Model<'_>, thing: &Thing, shape: &Shape, coefficients: 
                 }
             }
             vec![Addition::Effect(effect)]
-        }
-        Thing::Dependence(column, axis) => {
-            let lag_s = shape.value.unwrap_or(0.0);
-            let values = following(model, *axis, column, lag_s).dense(&model.observed);
-            vec![Addition::Column(Column {
-                what: format!("dependence of {axis} on {column}"),
-                follows: Some(Follows { column: column.clone(), axis: *axis, lag_s, lag_std_s: None }),
-                values: values.into(),
-                coefficient: coefficients.first().copied().unwrap_or(0.0),
-            })]
         }
         Thing::Event(additions) => additions.clone(),
         Thing::Smooth(..) => Vec::new(),

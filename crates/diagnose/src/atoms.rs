@@ -1,4 +1,4 @@
-//! What a set may hold: effects, dependences, events and smooth structure, each with its columns and with
+//! What a set may hold: effects, events and smooth structure, each with its columns and with
 //! what is known of their sizes beforehand.
 
 use common::Axis;
@@ -35,8 +35,6 @@ pub struct Atom {
 pub enum Thing {
     /// An effect of the catalogue, sizes zero.
     Effect(EffectInstance),
-    /// A sensor follows a column that no effect knows.
-    Dependence(String, Axis),
     /// Something that happens at moments.
     Event(Vec<Addition>),
     /// A sensor follows a smooth function: structure without a name.
@@ -71,11 +69,11 @@ impl Atom {
     /// The sensor that it acts on alone; None for what acts on several.
     pub fn sensor(&self) -> Option<Axis> {
         match &self.thing {
-            Thing::Dependence(_, axis) | Thing::Smooth(_, axis) => Some(*axis),
+            Thing::Smooth(_, axis) => Some(*axis),
             Thing::Effect(effect) => of_one_sensor(effect),
             Thing::Event(additions) => match additions.first()? {
                 Addition::Effect(effect) => of_one_sensor(effect),
-                Addition::Column(_) => None,
+                Addition::Single(_) => None,
             },
         }
     }
@@ -86,7 +84,6 @@ impl Atom {
             (Thing::Effect(effect), Thing::Smooth(covariate, _)) => {
                 covariates::of(effect).contains(covariate)
             }
-            (Thing::Dependence(column, _), Thing::Smooth(covariate, _)) => column == covariate,
             _ => false,
         }
     }
@@ -96,7 +93,9 @@ impl Atom {
     pub fn is_open_form(&self, structure: &Self) -> bool {
         match &structure.thing {
             Thing::Smooth(covariate, axis) => {
-                !covariates::is_field(covariate) && self.sensor() == Some(*axis) && self.follows(structure)
+                !covariates::is_field(covariate)
+                    && self.sensor().is_none_or(|own| own == *axis)
+                    && self.follows(structure)
             }
             _ => false,
         }
@@ -106,7 +105,7 @@ impl Atom {
     pub fn is_fuller(&self, other: &Self) -> bool {
         match (&self.thing, &other.thing) {
             (Thing::Effect(own), Thing::Effect(other)) => {
-                own.kind.simpler() == Some(other.kind)
+                own.simpler() == Some(other.kind)
                     && (own.axis, &own.column, &own.recording)
                         == (other.axis, &other.column, &other.recording)
             }
@@ -224,6 +223,7 @@ impl<'p> Atoms<'p> {
         let families: BTreeSet<String> = self.all.iter().filter(|atom| atom.is_named()).map(family).collect();
         let looks: f64 = events.iter().map(|event| event.looks.max(1.0).ln()).sum();
         let name = match events {
+            [first, others @ ..] if others.iter().all(|other| other.name == first.name) => first.name.clone(),
             [first, .., _] => format!("{} and {}", first.name, plural(events.len() - 1, "other reading")),
             _ => events.iter().map(|event| event.name.clone()).collect(),
         };
@@ -244,7 +244,6 @@ impl<'p> Atoms<'p> {
 fn family(atom: &Atom) -> String {
     match &atom.thing {
         Thing::Effect(effect) => effect.kind.name().into(),
-        Thing::Dependence(..) => "dependence".into(),
         Thing::Event(_) => "event".into(),
         Thing::Smooth(..) => String::new(),
     }
@@ -269,11 +268,13 @@ fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
         What::Physics(effect) if candidate.finite => {
             (Thing::Effect(effect.clone()), vec![(0.0, vec![1.0; first.len()])])
         }
-        What::Physics(effect) => (Thing::Effect(effect.clone()), sizes(&ranges(effect, measure.coarse))),
-        What::Dependence { column, axis } => {
-            let of = |c: &usize| [0.01 * measure.noise_nt / rms(c), 10.0 * measure.residual_nt / rms(c)];
-            (Thing::Dependence(column.clone(), *axis), sizes(&first.iter().map(of).collect::<Vec<_>>()))
+        What::Physics(effect) if effect.kind.about().acts == Acts::WithColumn("") => {
+            // A column of any unit: by what the sensor that follows it most would do.
+            let most = first.iter().map(rms).fold(f64::MIN_POSITIVE, f64::max);
+            let range = [0.01 * measure.noise_nt / most, 10.0 * measure.residual_nt / most];
+            (Thing::Effect(effect.clone()), sizes(&vec![range; first.len()]))
         }
+        What::Physics(effect) => (Thing::Effect(effect.clone()), sizes(&ranges(effect, measure.coarse))),
         What::Smooth { covariate, axis } => {
             // Smooth: the size falls with the order.
             let of = |(order, c): (usize, &usize)| {

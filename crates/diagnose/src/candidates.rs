@@ -36,7 +36,7 @@ const SPANS: f64 = 3.0;
 /// One shape of a candidate.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// Time constant, level or period; lag of a dependence.
+    /// Time constant, level or period.
     pub shape: Option<f64>,
     /// Its columns in the pool.
     pub columns: Vec<usize>,
@@ -90,7 +90,7 @@ impl Pool {
     pub fn considers(&self, proposal: &Proposal) -> bool {
         match &proposal.addition {
             Addition::Effect(effect) => !is_of(effect, &self.without),
-            Addition::Column(_) => true,
+            Addition::Single(_) => true,
         }
     }
 
@@ -114,7 +114,7 @@ impl Pool {
 
 /// Whether an effect is one of some kinds, or a fuller form of one.
 fn is_of(effect: &EffectInstance, kinds: &[Kind]) -> bool {
-    std::iter::successors(Some(effect.kind), |kind| kind.simpler()).any(|kind| kinds.contains(&kind))
+    [Some(effect.kind), effect.simpler()].into_iter().flatten().any(|kind| kinds.contains(&kind))
 }
 
 /// Whether the columns are what the effect does, and the columns of each shape.
@@ -232,6 +232,9 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
             // Shapes beside the first, which goes through its grid, begin in the middle of what is plausible.
             let middle = |info: &ParameterInfo| match info.role {
                 Role::Shape => (info.low * info.high).sqrt(),
+                _ if info.name == "reference" => {
+                    column.as_ref().map_or(0.0, |name| model.observed.mean(name))
+                }
                 _ => 0.0,
             };
             let parameters = kind.parameters().iter().map(middle).collect();
@@ -255,9 +258,8 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
                     all.extend(recordings.into_iter().map(in_one));
                 }
             }
-            Acts::WithColumn => {
-                let unit = if kind == Kind::StrayCurrent { "_a" } else { "_hz" };
-                let columns = generic::housekeeping(model).into_iter().filter(|name| name.ends_with(unit));
+            Acts::WithColumn(_) => {
+                let columns = model.observed.columns().into_iter().filter(|name| kind.takes(name));
                 all.extend(columns.map(|name| one(None, Some(name))));
             }
         }
@@ -284,7 +286,13 @@ fn make(
     let infos = template.kind.parameters();
     let shape = searched(template.kind);
     let grid: Vec<Option<f64>> = match shape {
-        Some(at) => scale.grid(template.kind, &infos[at]).into_iter().map(Some).collect(),
+        Some(at) => {
+            // Without the lag it may be an effect of another name.
+            let absent =
+                infos[at].absent.filter(|_| infos[at].role == Role::Shape && template.simpler().is_none());
+            let grid = scale.grid(template.kind, &infos[at]).into_iter();
+            absent.into_iter().chain(grid.filter(|value| absent != Some(*value))).map(Some).collect()
+        }
         None => vec![None],
     };
     let finite = infos.iter().all(|info| info.role != Role::Amplitude);

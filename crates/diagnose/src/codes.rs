@@ -100,5 +100,13 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
 }
 
 fn proposal(effect: EffectInstance, p: f64, gain: f64, looks: f64) -> Proposal {
-    Proposal { name: named(&effect), addition: Addition::Effect(effect), p, gain, looks, local: false }
+    Proposal {
+        name: named(&effect),
+        addition: Addition::Effect(effect),
+        p,
+        gain,
+        looks,
+        local: false,
+        group: None,
+    }
 }

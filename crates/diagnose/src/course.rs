@@ -2,10 +2,10 @@
 //! fitted together with the calibration, and what stands out then.
 
 use common::{Document, Verdict};
-use physics::{EffectInstance, Kind, Role, Stage};
+use physics::{EffectInstance, Kind, Stage};
 use std::collections::BTreeSet;
 
-use crate::additions::{at_shapes, columns_of, with_all, without};
+use crate::additions::{at_shapes, columns_of, with_additions, without};
 use crate::algebra::square;
 use crate::atoms::{self, Atoms, Sizes};
 use crate::decide::SURE;
@@ -50,9 +50,9 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// How many effects and columns it has, behind which those of an answer stand.
+    /// How many effects and single readings it has, behind which those of an answer stand.
     fn counts(&self) -> (usize, usize) {
-        (self.fit.state.effects.len(), self.fit.state.columns.len())
+        (self.fit.state.effects.len(), self.fit.state.singles.len())
     }
 }
 
@@ -173,7 +173,7 @@ fn with_codes(
 fn kinds(additions: &[Addition]) -> BTreeSet<String> {
     let kind = |addition: &Addition| match addition {
         Addition::Effect(effect) => named(effect),
-        Addition::Column(column) => column.what.clone(),
+        Addition::Single(single) => single.what.clone(),
     };
     additions.iter().map(kind).collect()
 }
@@ -242,7 +242,7 @@ pub fn weighed(
     let screen = searcher.screen(fitter, &ground.fit)?;
     let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
     let ranked = sets.search();
-    let mut answer = verdict::answer(model, &atoms, &sets, &ranked, searcher.level);
+    let mut answer = verdict::answer(&atoms, &sets, &ranked, searcher.level);
     let named = |member: &&Member| atoms.all[member.atom].is_named();
     let named: Vec<Member> = answer.members.iter().filter(named).cloned().collect();
     let best = answer.members.clone();
@@ -276,11 +276,12 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     for effect in fitted {
         let shapes = |effect: &EffectInstance| -> Vec<f64> {
             let infos = effect.kind.parameters().iter().zip(&effect.parameters);
-            infos.filter(|(info, _)| info.role == Role::Shape).map(|(_, value)| *value).collect()
+            infos.filter(|(info, value)| info.is_shape_at(**value)).map(|(_, value)| *value).collect()
         };
         let own = shapes(effect);
         let near = |other: &EffectInstance| {
             (other.kind, other.axis, &other.column) == (effect.kind, effect.axis, &effect.column)
+                && shapes(other).len() == own.len()
                 && shapes(other).iter().zip(&own).all(|(a, b)| (a / b - 1.0).abs() < MOVED)
         };
         if !own.is_empty() && effect.recording.is_none() && !known.iter().any(near) {
@@ -299,17 +300,7 @@ fn beside(
     ground: &Ground,
     additions: &[Addition],
 ) -> Result<(Fit, NoiseModel, f64), Error> {
-    let state = with_all(&Fitter { model, noise: &ground.noise }, &ground.fit, additions)?;
-    fitted(document, model, ground, &state)
-}
-
-/// The same from a state.
-fn fitted(
-    document: &Document,
-    model: &Model<'_>,
-    ground: &Ground,
-    state: &State,
-) -> Result<(Fit, NoiseModel, f64), Error> {
+    let state = &with_additions(model, &ground.fit.state, additions);
     let noise = &ground.noise;
     let fitter = Fitter { model, noise };
     let from = ground.fit.state.effects.len();

@@ -9,7 +9,7 @@
 //! r = J a + Σ xₖ cₖ + e,  e independent with variance one where the noise is as told
 //! ```
 //!
-//! What diagnose searches along a grid (time constants, levels, inflections, lags of a dependence) stands
+//! What diagnose searches along a grid (time constants, levels, inflections) stands
 //! here at each value of the grid. What it finds by a search of its own (a line's frequency, single readings,
 //! steps, frozen stretches, passes, the period and the width of codes) stands here where that search finds it
 //! in r, if it stands out of all that was looked at. Left out is what diagnose does beyond a linear model:
@@ -164,12 +164,6 @@ fn channels(observed: &Observed<'_>) -> Vec<Readings> {
 fn of_candidate(candidate: &Candidate) -> Group {
     let effect = match &candidate.what {
         What::Physics(effect) => Some(alone(effect)),
-        What::Dependence { column, axis } => Some(ExplainedEffect {
-            effect: "dependence".into(),
-            sensor: Some(*axis),
-            column: Some(column.clone()),
-            ..ExplainedEffect::default()
-        }),
         What::Smooth { .. } => None,
     };
     let forms = candidate.trials.iter().map(|t| Form { shape: t.shape, columns: t.columns.clone() });
@@ -181,7 +175,7 @@ fn add(groups: &mut Vec<Group>, found: &Proposal, columns: Vec<usize>) {
     let (name, effect) = match &found.addition {
         Addition::Effect(effect) => (named(effect), Some(alone(effect))),
         // A single reading of a scalar magnetometer, which no effect of the catalogue names.
-        Addition::Column(column) => (column.what.clone(), None),
+        Addition::Single(single) => (single.what.clone(), None),
     };
     let form = Form { shape: None, columns };
     match groups.iter_mut().find(|group| group.name == name) {

@@ -15,14 +15,13 @@ use common::Axis;
 use estimate::events::{Departures, Product};
 use physics::{EffectInstance, Kind, Parameter};
 use rayon::prelude::*;
-use std::sync::Arc;
 
 use crate::Error;
 use crate::algebra::{columns, orthonormal};
 use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
-use crate::model::Column;
+use crate::model::Single;
 use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 
@@ -204,21 +203,12 @@ fn moment(
             (Addition::Effect(effect), fitter.model.derivatives(&with, &amplitude)?.remove(0))
         }
         _ => {
-            let mut values = vec![0.0; observed.rows];
-            values[channel.at + best.row] = 1.0;
+            let row = channel.at + best.row;
             let what = format!(
                 "reading {} of {} in \"{}\"",
                 channel.rows[best.row], channel.column, run.recording.id
             );
-            (
-                Addition::Column(Column {
-                    what,
-                    follows: None,
-                    values: Arc::new(values.clone()),
-                    coefficient: 0.0,
-                }),
-                values,
-            )
+            (Addition::Single(Single { what, row, height_nt: 0.0 }), fitter.model.one_at(row))
         }
     };
     let exact = fitter.gain_of(fit, &[column])?;
@@ -241,11 +231,18 @@ fn moment(
                 format!("{} in \"{}\" and later", named(effect), run.recording.id)
             }
         }
-        Addition::Column(column) => {
-            column.coefficient = height;
-            column.what.clone()
+        Addition::Single(single) => {
+            single.height_nt = height;
+            single.what.clone()
         }
     };
     let p = at_least_one(rest.p_of_event(exact.gain, scatter, exact.rank), looks);
-    Ok(Some(Proposal { name, addition, p, gain: exact.gain, looks, local: true }))
+    let group = match (&addition, axis) {
+        (Addition::Single(_), _) => Some("single readings".into()),
+        (Addition::Effect(_), Some(axis)) if kind == Kind::Spike => {
+            Some(format!("single readings of {axis}"))
+        }
+        _ => None,
+    };
+    Ok(Some(Proposal { name, addition, p, gain: exact.gain, looks, local: true, group }))
 }

@@ -8,10 +8,11 @@ use estimate::screen::Screen;
 use faer::Mat;
 use serde_json::{Value, json};
 
+use physics::EffectInstance;
+
 use crate::additions::{at_shapes, with_additions};
 use crate::algebra::square;
 use crate::fit::Fitter;
-use crate::generic::following;
 use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
@@ -98,7 +99,7 @@ fn decides(bare: &Document, variant: &Variant, names: &[Alternative]) -> Result<
     let base = noise.whiten_all(&model.observed, &model.base_columns(&state)?);
     let mut predicted = Vec::new();
     for name in names {
-        let followed = along(&model, &name.additions);
+        let followed = elsewhere(&name.additions);
         let does = model.change(&state, &with_additions(&model, &state, &followed))?;
         if does.iter().any(|value| !value.is_finite()) {
             return Ok(0.0);
@@ -117,24 +118,15 @@ fn decides(bare: &Document, variant: &Variant, names: &[Alternative]) -> Result<
     Ok(if least.is_finite() { least } else { 0.0 })
 }
 
-/// Additions as they are in the recordings of a model: a dependence follows the column as it is there.
-fn along(model: &Model<'_>, additions: &[Addition]) -> Vec<Addition> {
+/// Additions as they are in other recordings, where a single reading says nothing.
+fn elsewhere(additions: &[Addition]) -> Vec<Addition> {
     let of = |addition: &Addition| match addition {
         Addition::Effect(effect) => {
-            let mut effect = effect.clone();
-            effect.recording = None;
-            Addition::Effect(effect)
+            Some(Addition::Effect(EffectInstance { recording: None, ..effect.clone() }))
         }
-        Addition::Column(column) => {
-            let mut column = column.clone();
-            let values = column.follows.as_ref().map(|follows| {
-                following(model, follows.axis, &follows.column, follows.lag_s).dense(&model.observed)
-            });
-            column.values = values.unwrap_or_else(|| vec![0.0; model.observed.rows]).into();
-            Addition::Column(column)
-        }
+        Addition::Single(_) => None,
     };
-    additions.iter().map(of).collect()
+    additions.iter().filter_map(of).collect()
 }
 
 /// Columns by sizes and shapes of additions.
@@ -147,7 +139,7 @@ fn columns(model: &Model<'_>, state: &State, additions: &[Addition]) -> Result<V
                 let stacked = columns.iter().chain(&by_shape).filter(|column| column.is_finite());
                 all.extend(stacked.map(|column: &Stacked| column.dense(&model.observed)));
             }
-            Addition::Column(column) => all.push(column.values.to_vec()),
+            Addition::Single(single) => all.push(model.one_at(single.row)),
         }
     }
     Ok(all)

@@ -15,7 +15,6 @@ pub const LEAST: f64 = 0.02;
 pub fn of(atom: &Atom) -> Family {
     match &atom.thing {
         Thing::Effect(effect) => effect.kind.about().family,
-        Thing::Dependence(..) => Family::FollowsColumn,
         Thing::Event(additions) => match additions.first() {
             Some(Addition::Effect(effect)) => effect.kind.about().family,
             _ => Family::Moments,

@@ -154,7 +154,7 @@ mod tests {
                 base: Vec::new(),
                 effects: Vec::new(),
                 acts: Vec::new(),
-                columns: Vec::new(),
+                singles: Vec::new(),
             },
             residual: vec![0.0; rows],
             white: vec![0.0; rows],

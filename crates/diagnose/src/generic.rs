@@ -1,11 +1,10 @@
-//! Smooth functions of what was recorded, and columns that no effect knows: they find structure and describe
-//! it.
+//! Smooth functions of what was recorded: they find structure and describe it.
 
 use common::Axis;
 use nalgebra::Vector3;
+use physics::Kind;
 use physics::memory::{Before, Signal};
 use rayon::prelude::*;
-use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
@@ -21,9 +20,6 @@ const WAVES: usize = 16;
 const POWERS: usize = 8;
 /// Thresholds that are tried of a covariate.
 const THRESHOLDS: usize = 15;
-/// Lags of a dependence, as shares of the recording's length.
-const LAGS: [f64; 5] = [0.0, 0.003, 0.01, 0.03, 0.1];
-
 /// How far back the past goes, in rows.
 const PAST_ROWS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 /// Fewest rows of a recording without times along whose rows smooth functions are taken.
@@ -45,30 +41,6 @@ pub type Series = [Option<Vec<f64>>];
 
 /// A candidate with the columns of its shapes.
 type Generic = (What, Vec<(Option<f64>, Vec<Stacked>)>);
-
-/// Columns that no effect and no chain knows.
-pub fn housekeeping(model: &Model<'_>) -> Vec<String> {
-    let known = |name: &str| {
-        let quantities = [
-            "coil_",
-            "sensor_",
-            "reference_",
-            "test_",
-            "outside_",
-            "ambient_",
-            "attitude_",
-            "tilt_",
-            "sun",
-            "eclipse",
-            "field_",
-        ];
-        quantities.iter().any(|prefix| name.starts_with(prefix))
-            || ["time_s", "position", "position_m", "electronics_temperature_c"].contains(&name)
-    };
-    let names = model.observed.runs.iter().flat_map(|run| run.recording.columns.keys());
-    let unknown: BTreeSet<&String> = names.filter(|name| !known(name)).collect();
-    unknown.into_iter().cloned().collect()
-}
 
 /// All of them.
 pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
@@ -124,22 +96,11 @@ fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec
             all.extend(rate(model, axis, name));
         }
     }
-    for name in housekeeping(model) {
-        let lags: &[f64] = if name.ends_with("_a") { &LAGS[1..] } else { &LAGS };
-        let mut trials = Vec::new();
-        for share in lags {
-            let lag_s = share * span.map_or(0.0, |(_, length)| length);
-            let column = following(model, axis, &name, lag_s);
-            trials.push((Some(lag_s), vec![column]));
-            if span.is_none() {
-                break;
-            }
-        }
+    for name in model.observed.columns().into_iter().filter(|name| Kind::Empirical.takes(name)) {
         let column =
             |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
         all.extend(powers(model, axis, name.clone(), column));
         all.extend(thresholds(model, axis, name.clone(), column));
-        all.push((What::Dependence { column: name, axis }, trials));
     }
     all
 }
@@ -238,21 +199,6 @@ fn off(
 /// Mean time from one row to the next.
 pub fn mean_step_s(time: &[f64]) -> f64 {
     (time[time.len() - 1] - time[0]) / (time.len().max(2) - 1) as f64
-}
-
-/// A recorded column through a first-order lag, in the channels of one sensor.
-pub fn following(model: &Model<'_>, axis: Axis, name: &str, lag_s: f64) -> Stacked {
-    stack(model, axis, |run, channel| follows(run, channel, name, lag_s))
-}
-
-/// A column through a first-order lag, at a channel's rows; zero where it is not recorded.
-fn follows(run: &Run<'_>, channel: &Channel, name: &str, lag_s: f64) -> Vec<f64> {
-    let Some(values) = run.setting.context.optional(name) else { return vec![0.0; channel.rows.len()] };
-    let lagged = match run.time_s {
-        Some(time) if lag_s > 0.0 => Signal::new(time, values.to_vec()).lagged(lag_s, Before::Equilibrium),
-        _ => values.to_vec(),
-    };
-    channel.rows.iter().map(|row| if lagged[*row].is_finite() { lagged[*row] } else { 0.0 }).collect()
 }
 
 /// Powers of a covariate from the first, in an orthogonal form, about its middle.

@@ -62,11 +62,8 @@ impl Fitter<'_, '_> {
                 }
             }
         }
-        for column in &state.columns {
-            let mut hit = (0..column.values.len()).filter(|row| column.values[*row] != 0.0);
-            if let (Some(only), None) = (hit.next(), hit.next()) {
-                folds[only] = FOLDS;
-            }
+        for single in &state.singles {
+            folds[single.row] = FOLDS;
         }
         folds
     }

@@ -64,7 +64,7 @@ fn of_sensor(
     let (width, p) = width(&x, std, declared)?;
     let effect = EffectInstance::new(Kind::Quantisation, Some(axis), vec![width]);
     let (name, addition) = (named(&effect), Addition::Effect(effect));
-    Some(Proposal { name, addition, p, gain: gain * width * width, looks: 1.0, local: false })
+    Some(Proposal { name, addition, p, gain: gain * width * width, looks: 1.0, local: false, group: None })
 }
 
 /// Standard uncertainty of a sensor's width of codes, nT, that of its sensitivity apart: of n readings x

@@ -46,7 +46,6 @@ mod codes;
 mod course;
 mod covariates;
 mod decide;
-mod dependence;
 mod dictionary;
 mod empirical;
 mod events;
@@ -92,7 +91,7 @@ pub use words::summary;
 
 use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Verdict, procedure};
 use indexmap::IndexMap;
-use physics::{Family, Kind, References};
+use physics::{Kind, References};
 
 use crate::candidates::Pool;
 use crate::fit::{Fit, Fitter, settled};
@@ -249,9 +248,9 @@ pub fn run_told(mut document: Document, options: &Options, told: &dyn Fn(&str)) 
         entries.push(Diagnosis { reasons: [entry.reasons, notes].concat(), ..entry });
     }
     for effect in entries.iter_mut().flat_map(|entry| &mut entry.effects) {
-        // What follows a column that no effect knows is no effect of the catalogue.
-        let family = Kind::named(&effect.effect).map_or(Family::FollowsColumn, |kind| kind.about().family);
-        effect.family = family.word().into();
+        if let Some(kind) = Kind::named(&effect.effect) {
+            effect.family = kind.about().family.word().into();
+        }
     }
     document.diagnosis = Some(entries);
     Ok(document)

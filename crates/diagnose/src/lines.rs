@@ -7,7 +7,7 @@ use estimate::sine::{Series, Strongest, strongest};
 use physics::{EffectInstance, Kind};
 
 use crate::algebra::square;
-use crate::channel::Reader;
+use crate::channel::{Reader, Run};
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
 use crate::proposal::{Addition, Proposal};
@@ -16,9 +16,11 @@ use crate::proposal::{Addition, Proposal};
 const SHORTEST: usize = 24;
 /// Frequencies tried for each Fourier frequency.
 const OVERSAMPLED: usize = 3;
-/// Periods that the recording must hold.
+/// Periods that the recording must hold to be searched, and for the name of a power supply.
+const FEWEST: f64 = 2.0;
 const PERIODS: f64 = 4.0;
-/// Periods that a recording must hold of a line that is no power supply's: fewer follow a drive that is repeated.
+/// Periods of a line that is no power supply's that must have been seen, in all recordings where it acts in all: fewer
+/// follow a drive that is repeated.
 const CYCLES: f64 = 10.0;
 /// Share of what is left that such a line is: a smaller one is a part of something else.
 const MOST: f64 = 0.8;
@@ -70,7 +72,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
                 weight: 2.0 / channel.rows.len() as f64,
             })
             .collect();
-        let tried = (PERIODS / length, 0.5 / step);
+        let tried = (FEWEST / length, 0.5 / step);
         let Some(found) = strongest(&series, 0.5 * step, points, tried) else { continue };
         let Strongest { frequency, power, band } = found;
         looks += looks_along(time, band, power);
@@ -82,36 +84,56 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let Some((p, frequency, number, step, gain)) = best else { return (None, Vec::new()) };
     let p = at_least_one(p, looks);
     let line = Line { recording: observed.runs[number].recording.id.clone(), frequency_hz: frequency, p };
-    let length_s = observed.runs[number].time_s.map_or(0.0, |time| time[time.len() - 1] - time[0]);
+    let length_s = |run: &Run<'_>| run.time_s.map(|time| time[time.len() - 1] - time[0]);
     let mut sources = aliases(frequency, 1.0 / step);
     // What is left of the recording beyond the noise; half of it, where nobody declared that.
     let channels = || observed.channels_of(number).filter(|channel| channel.reader != Reader::Scalar);
     let whole: f64 = channels().map(|channel| square(&fit.white[channel.range()])).sum();
     let rows = channels().map(|channel| channel.rows.len()).sum::<usize>() as f64;
     let beyond = if rest.known > 0.0 { whole - rows } else { 0.5 * whole };
-    let alone = gain > MOST * beyond && frequency > CYCLES / length_s;
-    if sources.is_empty() && alone {
+    if frequency * length_s(&observed.runs[number]).unwrap_or(0.0) < PERIODS {
+        sources.clear();
+    }
+    if sources.is_empty() && gain > MOST * beyond {
         sources.push((Kind::PeriodicField, frequency));
     }
-    let timed = observed.runs.iter().filter(|run| run.time_s.is_some()).count();
-    // In all recordings, or while a machine runs in one.
-    let places = [None, Some(line.recording.clone())];
-    let named = sources.iter().flat_map(|(kind, f)| {
-        let place = |recording: &Option<String>| {
-            let effect = EffectInstance {
-                recording: recording.clone(),
-                ..EffectInstance::new(*kind, None, [vec![0.0; 6], vec![*f]].concat())
-            };
-            let name = match recording {
-                Some(recording) => format!("{} in \"{recording}\"", kind.name()),
-                None => kind.name().into(),
-            };
-            Proposal { name, addition: Addition::Effect(effect), p, gain, looks, local: false }
+    let timed: Vec<&Run<'_>> = observed.runs.iter().filter(|run| run.time_s.is_some()).collect();
+    let all_s: f64 = timed.iter().copied().filter_map(length_s).sum();
+    let mut found = Vec::new();
+    for (kind, f) in sources {
+        let name = kind.name();
+        let of = |recording: Option<&String>, name: String, group: Option<&String>| Proposal {
+            name,
+            addition: Addition::Effect(EffectInstance {
+                recording: recording.cloned(),
+                ..EffectInstance::new(kind, None, [vec![0.0; 6], vec![f]].concat())
+            }),
+            p,
+            gain,
+            looks,
+            local: false,
+            group: group.cloned(),
         };
-        places.iter().take(timed).map(place).collect::<Vec<_>>()
-    });
-    let named = named.collect();
-    (Some(line), named)
+        // While a machine runs in one recording; in all, in phase or not.
+        let enough = |length_s: f64| kind != Kind::PeriodicField || frequency * length_s > CYCLES;
+        let one = &line.recording;
+        if enough(all_s) {
+            found.push(of(None, name.into(), None));
+        }
+        if timed.len() > 1 && enough(length_s(&observed.runs[number]).unwrap_or(0.0)) {
+            found.push(of(Some(one), format!("{name} in \"{one}\""), None));
+        }
+        if timed.len() > 1 && enough(all_s) {
+            let each = format!("{name} in each recording");
+            // Their frequency was looked for once.
+            let looks = timed.iter().map(|run| if run.recording.id == *one { looks } else { 1.0 });
+            found.extend(timed.iter().zip(looks).map(|(run, looks)| Proposal {
+                looks,
+                ..of(Some(&run.recording.id), each.clone(), Some(&each))
+            }));
+        }
+    }
+    (Some(line), found)
 }
 
 /// Frequencies of power supplies that appear at this one when sampled at a rate.

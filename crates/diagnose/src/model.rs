@@ -11,7 +11,7 @@ mod step;
 mod unknown;
 
 pub use known::stated_std;
-pub use state::{Column, Follows, Model, State};
+pub use state::{Model, Single, State};
 pub use unknown::Unknown;
 
 use common::{Axis, Document};
@@ -32,7 +32,7 @@ impl<'a> Model<'a> {
             base: vec![0.0; model.unknowns.len()],
             effects: Vec::new(),
             acts: Vec::new(),
-            columns: Vec::new(),
+            singles: Vec::new(),
         };
         for effect in effects {
             state = model.with(&state, effect);

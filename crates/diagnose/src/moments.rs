@@ -1,7 +1,7 @@
 //! What happened at moments, at frequencies or in codes: which of it is new, which pays for its search, and
 //! what is told as one.
 
-use physics::{EffectInstance, Kind, Role};
+use physics::{EffectInstance, Role};
 
 use crate::fit::Fit;
 use crate::model::Model;
@@ -11,7 +11,7 @@ use crate::whitening::NoiseModel;
 /// Moments that do not pay for their search beside all that came in: those whose height squared is not 2 ln
 /// (looks) times its variance, and those that last for less than the step from reading to reading: they have
 /// more unknowns than readings in which they act. The additions stand in the fit from a number of effects and
-/// of columns on.
+/// of single readings on.
 pub fn insignificant(
     model: &Model<'_>,
     from: (usize, usize),
@@ -37,12 +37,12 @@ pub fn insignificant(
     let too_low = |height: f64, unknown: usize, looks: f64| {
         variance(unknown).is_finite() && height * height < 2.0 * looks.max(1.0).ln() * variance(unknown)
     };
-    let (mut effects, mut columns) = from;
+    let (mut effects, mut singles) = from;
     let mut found = Vec::new();
     for addition in additions {
         let number = match addition {
             Addition::Effect(_) => &mut effects,
-            Addition::Column(_) => &mut columns,
+            Addition::Single(_) => &mut singles,
         };
         *number += 1;
         let number = *number - 1;
@@ -57,8 +57,8 @@ pub fn insignificant(
                 };
                 low || of_effect(number, Role::Shape).iter().any(unresolved)
             }
-            Addition::Column(_) => {
-                too_low(fit.state.columns[number].coefficient, free.len() + number, event.looks)
+            Addition::Single(_) => {
+                too_low(fit.state.singles[number].height_nt, free.len() + number, event.looks)
             }
         };
         if is_none {
@@ -81,11 +81,11 @@ pub fn follow(events: &mut [Proposal], additions: &[Addition], fitted: &[EffectI
     let effects = additions.iter().filter(|addition| matches!(addition, Addition::Effect(_)));
     let mut any = false;
     for (addition, fitted) in effects.zip(fitted) {
-        let own = events.iter_mut().find(|event| !event.local && is(event, addition));
-        let Some(event) = own else { continue };
         let now = Addition::Effect(fitted.clone());
-        any |= !is(event, &now);
-        event.addition = now;
+        for event in events.iter_mut().filter(|event| !event.local && is(event, addition)) {
+            any |= !is(event, &now);
+            event.addition = now.clone();
+        }
     }
     any
 }
@@ -98,7 +98,7 @@ pub fn fresh(found: &[Proposal], known: &[Proposal]) -> Vec<Proposal> {
 
 /// Whether two proposals are the same moment, line or code.
 pub fn same(one: &Proposal, other: &Proposal) -> bool {
-    is(one, &other.addition)
+    one.group == other.group && is(one, &other.addition)
 }
 
 /// Whether a proposal is that of an addition.
@@ -110,22 +110,16 @@ fn is(one: &Proposal, addition: &Addition) -> bool {
             (a.kind, a.axis, &a.recording) == (b.kind, b.axis, &b.recording)
                 && shapes.filter(|(info, _)| info.role != Role::Amplitude).all(|(_, pair)| close(pair))
         }
-        (Addition::Column(a), Addition::Column(b)) => a.what == b.what,
+        (Addition::Single(a), Addition::Single(b)) => a.row == b.row,
         _ => false,
     }
 }
 
-/// Single readings of a sensor together: they are one name with a list. All else by itself.
+/// What is told as one together, all else by itself.
 pub fn grouped(events: &[Proposal]) -> Vec<Vec<&Proposal>> {
-    let single = |event: &Proposal| match &event.addition {
-        Addition::Effect(effect) if effect.kind == Kind::Spike => Some(effect.axis),
-        Addition::Column(_) => Some(None),
-        Addition::Effect(_) => None,
-    };
     let mut groups: Vec<Vec<&Proposal>> = Vec::new();
     for event in events {
-        let own = single(event);
-        match groups.iter_mut().find(|group| own.is_some() && single(group[0]) == own) {
+        match groups.iter_mut().find(|group| event.group.is_some() && group[0].group == event.group) {
             Some(group) => group.push(event),
             None => groups.push(vec![event]),
         }

@@ -5,6 +5,7 @@ use common::number::counted;
 use common::{Axis, Document, Recording, procedure};
 use nalgebra::Vector3;
 use physics::{Basic, Prediction, References, Setting, Unit};
+use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
@@ -55,6 +56,19 @@ pub struct Observed<'a> {
 }
 
 impl<'a> Observed<'a> {
+    /// Names of all columns, in order.
+    pub fn columns(&self) -> BTreeSet<String> {
+        self.runs.iter().flat_map(|run| run.recording.columns.keys().cloned()).collect()
+    }
+
+    /// Mean of a column over all recordings that have it.
+    pub fn mean(&self, name: &str) -> f64 {
+        let values = self.runs.iter().filter_map(|run| run.recording.column(name)).flatten();
+        let (sum, count) =
+            values.filter(|value| value.is_finite()).fold((0.0, 0), |(s, n), v| (s + v, n + 1));
+        sum / f64::from(count.max(1))
+    }
+
     /// Reads a document. Two instruments side by side are not among it: `beside` answers of these.
     pub fn of(document: &'a Document) -> Result<Self, Error> {
         let references = References::of(document);

@@ -2,7 +2,7 @@
 
 use physics::EffectInstance;
 
-use crate::model::Column;
+use crate::model::Single;
 use crate::what::named;
 
 /// What comes into the model.
@@ -10,8 +10,8 @@ use crate::what::named;
 pub enum Addition {
     /// An effect.
     Effect(EffectInstance),
-    /// A column.
-    Column(Column),
+    /// A single reading.
+    Single(Single),
 }
 
 /// Something found at a moment, at a frequency or in codes, before it is weighed.
@@ -29,12 +29,14 @@ pub struct Proposal {
     pub looks: f64,
     /// Whether it touches few rows, so that rows left out say nothing.
     pub local: bool,
+    /// What it is told as one with, such as a sensor's single readings.
+    pub group: Option<String>,
 }
 
 impl Proposal {
     /// An effect that touches few rows of one recording.
     pub fn event(effect: EffectInstance, recording: &str, p: f64, gain: f64, looks: f64) -> Self {
         let name = format!("{} in \"{recording}\"", named(&effect));
-        Self { name, addition: Addition::Effect(effect), p, gain, looks, local: true }
+        Self { name, addition: Addition::Effect(effect), p, gain, looks, local: true, group: None }
     }
 }

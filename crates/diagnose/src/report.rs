@@ -66,7 +66,6 @@ pub fn report(
         Verdict::Unexplained | Verdict::PartlyExplained => {
             outcome.last.structures.first().map(|s| match &s.what {
                 What::Smooth { covariate, .. } => site.unexplained(covariate),
-                What::Dependence { column, .. } => site.unexplained(column),
                 What::Physics(_) => String::new(),
             })
         }

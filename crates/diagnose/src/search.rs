@@ -198,18 +198,14 @@ impl<'p> Searcher<'p> {
                     let (what, p_adjusted) = (candidate.what.clone(), families(chance));
                     structures.push(Structure { what, shape, p_adjusted, gain, unknowns: rank as f64 });
                 }
-                what => {
+                What::Physics(effect) => {
                     // What an effect without amplitude does at a shape must be what is seen, and not its
                     // opposite.
                     let most = sizes.iter().map(|(gain, _)| *gain).fold(0.0, f64::max);
                     let seen = |(gain, size): &(f64, f64)| *size > 0.0 && *gain > 0.5 * most;
                     if !candidate.finite || sizes.iter().any(seen) {
-                        let unknowns = match what {
-                            What::Physics(effect) => effect.parameters.len() as f64,
-                            _ => 1.0,
-                        };
-                        let worth = gain - unknowns * log_rows;
-                        names.push(Striking { name: what.name(), p: chance, worth });
+                        let worth = gain - effect.parameters.len() as f64 * log_rows;
+                        names.push(Striking { name: candidate.what.name(), p: chance, worth });
                     }
                 }
             }
@@ -219,7 +215,7 @@ impl<'p> Searcher<'p> {
             least_p = least_p.min(families(event.p));
             let unknowns = match &event.addition {
                 Addition::Effect(effect) => effect.parameters.len() as f64,
-                Addition::Column(_) => 1.0,
+                Addition::Single(_) => 1.0,
             };
             names.push(Striking {
                 name: event.name.clone(),
@@ -239,7 +235,6 @@ impl<'p> Searcher<'p> {
 fn already(state: &State, candidate: &Candidate) -> bool {
     match &candidate.what {
         What::Physics(effect) => state.effects.iter().any(|other| named(other) == named(effect)),
-        What::Dependence { .. } => state.columns.iter().any(|column| column.what == candidate.what.name()),
         What::Smooth { .. } => false,
     }
 }

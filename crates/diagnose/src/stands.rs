@@ -103,6 +103,6 @@ fn unknowns(model: &Model<'_>, state: &State) -> Vec<f64> {
         let value = effect.parameters[parameter];
         if effect.kind.parameters()[parameter].role == Role::Shape { value.ln() } else { value }
     });
-    let of_columns = state.columns.iter().map(|column| column.coefficient);
-    state.base.iter().copied().chain(of_effects).chain(of_columns).collect()
+    let of_singles = state.singles.iter().map(|single| single.height_nt);
+    state.base.iter().copied().chain(of_effects).chain(of_singles).collect()
 }

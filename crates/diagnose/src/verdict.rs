@@ -10,7 +10,6 @@ use crate::atoms::{Atom, Atoms, Thing};
 use crate::decide::{AS_MUCH, EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
 use crate::families;
 use crate::level::{Rest, at_least_one};
-use crate::model::Model;
 use crate::proposal::{Addition, Proposal};
 use crate::sets::{Member, Set, Sets};
 use crate::stacked::Stacked;
@@ -137,13 +136,7 @@ fn weights(ranked: &[Set]) -> Vec<f64> {
 
 /// The answer of ranked sets, the empty one among them.
 /// A name whose gain chance has too, at a level, is none.
-pub fn answer(
-    model: &Model<'_>,
-    atoms: &Atoms<'_>,
-    sets: &Sets<'_, '_, '_>,
-    ranked: &[Set],
-    level: f64,
-) -> Answer {
+pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level: f64) -> Answer {
     let rest = sets.rest;
     let weights = weights(ranked);
     let nothing = 1.0 / (1.0 + (ranked[0].log / TEMPERATURE).exp());
@@ -192,12 +185,12 @@ pub fn answer(
             continue;
         };
         let equal: Vec<Alternative> =
-            equal.into_iter().map(|(atom, set)| alternative(model, atoms, sets, set, atom)).collect();
+            equal.into_iter().map(|(atom, set)| alternative(atoms, sets, set, atom)).collect();
         undecided |= !equal.is_empty();
         kept.push(number);
         names.push(Name {
             name: atom.name.clone(),
-            additions: additions(model, &atom.thing, &atom.shapes[member.shape], &coefficients[number]),
+            additions: additions(&atom.thing, &atom.shapes[member.shape], &coefficients[number]),
             local: is_local(atom),
             probability: slot.probability,
             p,
@@ -230,7 +223,7 @@ pub fn answer(
             refused.push((name.name, why));
         }
     }
-    let rivals = rivals(model, atoms, sets, ranked);
+    let rivals = rivals(atoms, sets, ranked);
     let share = |own: &[usize]| {
         let beside = |number: &usize| !own.contains(&best.members[*number].atom);
         (whole_core - sets.gain(&members(&beside))) / explicable
@@ -338,38 +331,27 @@ fn core(
 }
 
 /// An atom as a set has it.
-fn alternative(
-    model: &Model<'_>,
-    atoms: &Atoms<'_>,
-    sets: &Sets<'_, '_, '_>,
-    set: &Set,
-    atom: usize,
-) -> Alternative {
+fn alternative(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, set: &Set, atom: usize) -> Alternative {
     let says = |member: &Member| member.atom == atom || atoms.all[member.atom].is_fuller(&atoms.all[atom]);
     let sizes = sets.coefficients(&set.members).unwrap_or_default();
     let own = set.members.iter().zip(&sizes).find(|(member, _)| says(member));
     let additions = own.map(|(member, sizes)| {
         let atom = &atoms.all[member.atom];
-        additions(model, &atom.thing, &atom.shapes[member.shape], sizes)
+        additions(&atom.thing, &atom.shapes[member.shape], sizes)
     });
     Alternative { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
 }
 
 /// The names of sets nearly as probable as the best, sets of names alone that explain nearly as much, and names of
 /// the kind of physics that structure of the best set is: they may do better at the shapes that they come to.
-fn rivals(
-    model: &Model<'_>,
-    atoms: &Atoms<'_>,
-    sets: &Sets<'_, '_, '_>,
-    ranked: &[Set],
-) -> Vec<Vec<Addition>> {
+fn rivals(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Vec<Vec<Addition>> {
     let of = |set: &Set| -> Vec<Addition> {
         let coefficients = sets.coefficients(&set.members).unwrap_or_default();
         let named =
             set.members.iter().zip(&coefficients).filter(|(member, _)| atoms.all[member.atom].is_named());
         let additions = named.flat_map(|(member, sizes)| {
             let atom = &atoms.all[member.atom];
-            additions(model, &atom.thing, &atom.shapes[member.shape], sizes)
+            additions(&atom.thing, &atom.shapes[member.shape], sizes)
         });
         additions.collect()
     };
@@ -396,7 +378,7 @@ fn rivals(
             }
             known.push(number);
             if let Some((shape, coefficients)) = sets.nearest(number) {
-                chosen.push(additions(model, &atom.thing, &atom.shapes[shape], &coefficients));
+                chosen.push(additions(&atom.thing, &atom.shapes[shape], &coefficients));
             }
         }
     }
@@ -431,7 +413,7 @@ fn member_prior(atom: &Atom) -> f64 {
 fn is_local(atom: &Atom) -> bool {
     let one = |addition: &Addition| match addition {
         Addition::Effect(effect) => effect.kind.parameters().iter().any(physics::ParameterInfo::is_moment),
-        Addition::Column(_) => true,
+        Addition::Single(_) => true,
     };
     matches!(&atom.thing, Thing::Event(additions) if additions.iter().any(one))
 }

@@ -8,13 +8,6 @@ use physics::EffectInstance;
 pub enum What {
     /// An effect of the catalogue.
     Physics(EffectInstance),
-    /// An axis follows a column that no effect knows.
-    Dependence {
-        /// The column.
-        column: String,
-        /// The axis.
-        axis: Axis,
-    },
     /// An axis follows smooth functions of something.
     Smooth {
         /// Of what.
@@ -32,7 +25,6 @@ impl What {
                 Some(recording) => format!("{} in \"{recording}\"", named(effect)),
                 None => named(effect),
             },
-            What::Dependence { column, axis } => format!("dependence of {axis} on {column}"),
             What::Smooth { covariate, axis } => format!("{axis} with {covariate}"),
         }
     }

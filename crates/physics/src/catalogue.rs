@@ -4,7 +4,7 @@ use common::procedure;
 use nalgebra::Vector3;
 
 use crate::effects::*;
-use crate::{About, Effect, ParameterInfo, Place, Real, Result, Surroundings, Thermometer};
+use crate::{About, Acts, Effect, ParameterInfo, Place, Real, Result, Surroundings, Thermometer};
 
 macro_rules! catalogue {
     ($($effect:ident),+ $(,)?) => {
@@ -58,6 +58,7 @@ catalogue![
     WarmUp,
     Ageing,
     SensitivityAgeing,
+    Dependence,
     Empirical,
     OffsetElectronicsTemperature,
     OffsetElectronicsTemperatureLag,
@@ -145,26 +146,37 @@ impl Kind {
         by_time.contains(&self) || !self.about().needs.iter().any(ordered)
     }
 
+    /// Whether it can follow a column: one of its unit that no other effect and no chain knows.
+    pub fn takes(self, column: &str) -> bool {
+        matches!(self.about().acts, Acts::WithColumn(ending) if column.ends_with(ending)) && !is_known(column)
+    }
+
     /// The thermometers it follows; it is relative to the reference temperature of each.
     pub fn follows(self) -> impl Iterator<Item = Thermometer> {
         Thermometer::ALL.into_iter().filter(move |which| self.about().needs.contains(&which.column()))
-    }
-
-    /// The effect that it is at a special value of its parameters, with fewer of them.
-    pub fn simpler(self) -> Option<Kind> {
-        match self {
-            Kind::OffsetTemperatureLag | Kind::OffsetTemperatureInflection => Some(Kind::OffsetTemperature),
-            Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
-            Kind::AxisCreep => Some(Kind::AxisTemperature),
-            Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
-            Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
-            Kind::SunThermoelectricHarmonics => Some(Kind::SunThermoelectric),
-            _ => None,
-        }
     }
 
     /// Its parameters.
     pub fn parameters(self) -> &'static [ParameterInfo] {
         self.about().parameters
     }
+}
+
+/// Whether a column is a quantity of the chain or of effects that name it.
+fn is_known(column: &str) -> bool {
+    const KNOWN: [&str; 11] = [
+        "coil_",
+        "sensor_",
+        "reference_",
+        "test_",
+        "outside_",
+        "ambient_",
+        "attitude_",
+        "tilt_",
+        "sun",
+        "eclipse",
+        "field_",
+    ];
+    KNOWN.iter().any(|prefix| column.starts_with(prefix))
+        || ["time_s", "position", "position_m", "electronics_temperature_c"].contains(&column)
 }

@@ -81,8 +81,8 @@ pub enum Acts {
     OneCoil,
     /// Everything at its stage.
     Everything,
-    /// Everything, in step with one housekeeping column.
-    WithColumn,
+    /// Everything, in step with one housekeeping column, whose name ends so.
+    WithColumn(&'static str),
 }
 
 /// How a parameter enters.
@@ -93,8 +93,8 @@ pub enum Role {
     Amplitude,
     /// A time constant, a level, a period: positive, and not linear.
     Shape,
-    /// A moment or a span of `time_s` of one recording: the contribution jumps there, so that its derivative
-    /// says nothing.
+    /// What the contribution counts from: a moment or a span of `time_s`, at which it jumps, or a value of reference.
+    /// Its derivative says nothing.
     Epoch,
 }
 
@@ -144,9 +144,15 @@ impl ParameterInfo {
         Self { name, low, high, role: Role::Epoch, absent: None }
     }
 
-    /// A span of time that may be nothing, the same in every recording; where it ends the contribution jumps.
+    /// The same in every recording, and possibly nothing: a span of time at whose end the contribution jumps, or a
+    /// reference.
     pub const fn span(name: &'static str, low: f64, high: f64) -> Self {
         Self { name, low, high, role: Role::Epoch, absent: Some(0.0) }
+    }
+
+    /// Whether it is a shape that can be fitted from a value; not where the effect has none of it, as no lag.
+    pub fn is_shape_at(&self, value: f64) -> bool {
+        self.role == Role::Shape && self.absent != Some(value)
     }
 
     /// Whether it is of one recording, such as a moment: what has to be given.

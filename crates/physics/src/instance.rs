@@ -51,6 +51,21 @@ impl EffectInstance {
         Self { kind, axis, column: None, recording: None, within: Within::default(), parameters }
     }
 
+    /// The effect that it is at a special value of its parameters, with fewer of them.
+    pub fn simpler(&self) -> Option<Kind> {
+        let is_current = || self.column.as_ref().is_some_and(|column| Kind::StrayCurrent.takes(column));
+        match self.kind {
+            Kind::OffsetTemperatureLag | Kind::OffsetTemperatureInflection => Some(Kind::OffsetTemperature),
+            Kind::SensitivityTemperatureLag => Some(Kind::SensitivityTemperature),
+            Kind::AxisCreep => Some(Kind::AxisTemperature),
+            Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
+            Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
+            Kind::SunThermoelectricHarmonics => Some(Kind::SunThermoelectric),
+            Kind::Dependence if is_current() => Some(Kind::StrayCurrent),
+            _ => None,
+        }
+    }
+
     /// Whether it acts in a recording.
     pub fn acts(&self, recording: &Recording) -> bool {
         self.recording.as_ref().is_none_or(|only| *only == recording.id)
@@ -136,7 +151,7 @@ fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Err
         Acts::OneCoil => (Some(adopted.coil.ok_or_else(|| without("coil", one))?), None),
         Acts::OneSensor => (Some(adopted.sensor.ok_or_else(|| without("sensor", one))?), None),
         Acts::Everything => (None, None),
-        Acts::WithColumn => {
+        Acts::WithColumn(_) => {
             let column = adopted.column.clone();
             (None, Some(column.ok_or_else(|| without("column", "the name of a housekeeping column"))?))
         }
@@ -158,7 +173,7 @@ fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Err
                     format!("a number for {}", info.name),
                 )
             })?;
-            if info.role == Role::Shape && value <= 0.0 {
+            if info.role == Role::Shape && value <= 0.0 && info.absent != Some(value) {
                 return Err(refuse(format!("{} = {value}", info.name), "a positive number".into()));
             }
             Ok(value)

@@ -39,7 +39,7 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
         };
         match about.acts {
             Acts::OneSensor => all.extend(Axis::ALL.map(|axis| of(Some(axis), None))),
-            Acts::WithColumn => {
+            Acts::WithColumn(_) => {
                 let columns = columns(document, *kind);
                 if columns.is_empty() {
                     let needs = about.needs.join(", ");
@@ -56,13 +56,11 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
     Ok(all)
 }
 
-/// The housekeeping columns that an effect can follow, by the ending of their names.
+/// The columns that an effect can follow.
 fn columns(document: &Document, kind: Kind) -> Vec<String> {
-    let ending = if kind == Kind::StrayCurrent { "_a" } else { "_hz" };
     let mut names: Vec<String> = Vec::new();
     for recording in &document.recordings {
-        let mine =
-            recording.columns.keys().filter(|name| name.ends_with(ending) && !name.starts_with("coil_"));
+        let mine = recording.columns.keys().filter(|name| kind.takes(name));
         names.extend(mine.filter(|name| !names.contains(name)).cloned().collect::<Vec<_>>());
     }
     names

@@ -83,7 +83,7 @@ fn acts_on(acts: Acts) -> &'static str {
         Acts::OneSensor => "sensor",
         Acts::OneCoil => "coil",
         Acts::Everything => "all",
-        Acts::WithColumn => "column",
+        Acts::WithColumn(_) => "column",
     }
 }
 

@@ -48,7 +48,7 @@ fn adopted(kind: Kind) -> AdoptedEffect {
         effect: kind.name().into(),
         sensor: (acts == Acts::OneSensor).then_some(Axis::X),
         coil: (acts == Acts::OneCoil).then_some(Axis::X),
-        column: (acts == Acts::WithColumn).then(|| "panel_current_a".into()),
+        column: matches!(acts, Acts::WithColumn(_)).then(|| "panel_current_a".into()),
         recording: None,
         from_s: None,
         to_s: None,

@@ -24,10 +24,7 @@ pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
 
 /// Where an effect acts.
 pub fn place(effect: &ExplainedEffect) -> &'static str {
-    match Kind::named(&effect.effect) {
-        Some(kind) => kind.place().word(),
-        None => "sensor",
-    }
+    Kind::named(&effect.effect).map_or("sensor", |kind| kind.place().word())
 }
 
 fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect {
@@ -38,30 +35,28 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         Cause::Covariate(number) => Some(compared.covariates[number].clone()),
         _ => None,
     };
-    let effect = match one.cause {
-        Cause::Covariate(_) if is_current(column.as_deref(), &one.form) => Kind::StrayCurrent.name(),
-        Cause::Covariate(_) => "dependence",
-        Cause::Time if one.form.late_s > 0.0 => Kind::WarmUp.name(),
-        Cause::Time => Kind::Ageing.name(),
-        Cause::Clock => Kind::ClockOffset.name(),
+    let kind = match one.cause {
+        Cause::Covariate(_) if is_current(column.as_deref(), &one.form) => Kind::StrayCurrent,
+        Cause::Covariate(_) => Kind::Dependence,
+        Cause::Time if one.form.late_s > 0.0 => Kind::WarmUp,
+        Cause::Time => Kind::Ageing,
+        Cause::Clock => Kind::ClockOffset,
     };
-    let kind = Kind::named(effect);
+    let about = kind.about();
     let follows = match &column {
         Some(column) => format!("follows {column}"),
-        None => kind.map_or(String::new(), |kind| kind.about().title.to_string()),
+        None => about.title.to_string(),
     };
     let form = Form { late_s: one.late_s.as_ref().map_or(0.0, Quantity::value), ..one.form };
     ExplainedEffect {
-        effect: effect.into(),
+        effect: about.name.into(),
         title: match &column {
             Some(_) => format!("{} {follows}{}", compared.what, paired::lateness(&form)),
             None => follows,
         },
-        physics: kind
-            .map_or("a field that is proportional to the column", |kind| kind.about().physics)
-            .into(),
-        equation: kind.map_or("dB = c x, tau dx/dt = column - x", |kind| kind.about().equation).into(),
-        source: kind.map_or("", |kind| kind.about().source).into(),
+        physics: about.physics.into(),
+        equation: about.equation.into(),
+        source: about.source.into(),
         parameters: parameters(compared, one, column.as_deref()),
         column,
         p_adjusted: (-explained.gains[number]).exp().min(1.0),

@@ -97,7 +97,7 @@ impl Model<'_> {
     }
 
     /// Derivatives of what is predicted by the unknowns behind those of the base model at a state: effects,
-    /// columns. Shapes count by their logarithm, and not at all once they have come to a bound.
+    /// single readings. Shapes count by their logarithm, and not at all once they have come to a bound.
     pub fn other_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
@@ -111,8 +111,15 @@ impl Model<'_> {
                 column.iter_mut().for_each(|d| *d *= value);
             }
         }
-        of_effects.extend(state.columns.iter().map(|column| column.values.to_vec()));
+        of_effects.extend(state.singles.iter().map(|single| self.one_at(single.row)));
         Ok(of_effects)
+    }
+
+    /// One in a row of the stack.
+    pub fn one_at(&self, row: usize) -> Vec<f64> {
+        let mut column = vec![0.0; self.observed.rows];
+        column[row] = 1.0;
+        column
     }
 
     /// Derivatives of what is predicted by parameters of effects, stacked.

@@ -138,8 +138,8 @@ impl<'a> Model<'a> {
                 residual.iter_mut().zip(&column).for_each(|(r, c)| *r -= level * c);
             }
         }
-        for column in &state.columns {
-            residual.iter_mut().zip(column.values.iter()).for_each(|(r, c)| *r -= column.coefficient * c);
+        for single in &state.singles {
+            residual[single.row] -= single.height_nt;
         }
         Ok(residual)
     }

@@ -3,36 +3,20 @@
 use common::Axis;
 use nalgebra::Vector3;
 use physics::{EffectInstance, Kind, Role, Unit};
-use std::sync::Arc;
 
 use super::unknown::Unknown;
 use crate::channel::Reader;
 use crate::observed::Observed;
 
-/// What a column of a fit follows.
-#[derive(Clone, Debug)]
-pub struct Follows {
-    /// The recorded column.
-    pub column: String,
-    /// The sensor that follows it.
-    pub axis: Axis,
-    /// Time constant of the first-order lag, s.
-    pub lag_s: f64,
-    /// Its standard uncertainty, s: half the width over which the gain is less than one below its most.
-    pub lag_std_s: Option<f64>,
-}
-
-/// A column that is fitted beside the chain.
-#[derive(Clone, Debug)]
-pub struct Column {
+/// A single reading that is off by itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Single {
     /// What it is, in words.
     pub what: String,
-    /// What it follows; None for a single reading.
-    pub follows: Option<Follows>,
-    /// nT for each reading of the stack.
-    pub values: Arc<Vec<f64>>,
-    /// Its coefficient.
-    pub coefficient: f64,
+    /// Its row in the stack of all channels.
+    pub row: usize,
+    /// By how much it is off, nT.
+    pub height_nt: f64,
 }
 
 /// Where a fit stands.
@@ -44,8 +28,8 @@ pub struct State {
     pub effects: Vec<EffectInstance>,
     /// In which recordings each acts.
     pub acts: Vec<Vec<bool>>,
-    /// Columns.
-    pub columns: Vec<Column>,
+    /// Single readings.
+    pub singles: Vec<Single>,
 }
 
 /// The recordings with what is unknown of them.
@@ -95,10 +79,10 @@ impl Model<'_> {
     pub fn free(&self, state: &State) -> Vec<(usize, usize)> {
         let of = |(number, effect): (usize, &EffectInstance)| {
             let parameters = effect.kind.parameters().iter().enumerate();
-            let smooth = parameters.filter(move |(_, info)| match effect.kind {
-                Kind::Quantisation => false,
-                Kind::VehiclePass => true,
-                _ => info.role != Role::Epoch,
+            let smooth = parameters.filter(move |(number, info)| match (effect.kind, info.role) {
+                (Kind::Quantisation, _) => false,
+                (Kind::VehiclePass, _) | (_, Role::Amplitude) => true,
+                _ => info.is_shape_at(effect.parameters[*number]),
             });
             smooth.map(move |(parameter, _)| (number, parameter)).collect::<Vec<_>>()
         };

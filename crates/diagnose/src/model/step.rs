@@ -48,8 +48,8 @@ impl Model<'_> {
                 *value += s;
             }
         }
-        for (column, s) in next.columns.iter_mut().zip(&step[base + free.len()..]) {
-            column.coefficient += s;
+        for (single, s) in next.singles.iter_mut().zip(&step[base + free.len()..]) {
+            single.height_nt += s;
         }
         next
     }

@@ -1,6 +1,6 @@
 //! The effects that explain, with their parameters and the evidence.
 
-use common::{ExplainedEffect, ListedEffect, Quantity, Rival, Verdict};
+use common::{Axis, ExplainedEffect, ListedEffect, Quantity, Rival, Verdict};
 use estimate::screen::Screen;
 use indexmap::IndexMap;
 use physics::{EffectInstance, Kind, Role};
@@ -8,10 +8,9 @@ use std::ops::Range;
 
 use super::residuals::floor;
 use crate::covariates::on_coil;
-use crate::dependence;
 use crate::fit::Fitter;
 use crate::lattice;
-use crate::model::{Column, Model};
+use crate::model::Model;
 use crate::proposal::Addition;
 use crate::sized;
 use crate::{Error, NamedEffect, Outcome};
@@ -19,8 +18,10 @@ use crate::{Error, NamedEffect, Outcome};
 /// A variance that rests on what is assumed of an effect's departures from its equation by more than this
 /// share is a lower bound: no recording bounds those.
 const BY_FORMS: f64 = 0.5;
+/// Standard uncertainties from which a coefficient is beyond chance.
+const BEYOND_CHANCE: f64 = 3.0;
 
-/// Where something that was found stands in the final state: the numbers of its effects, and of its columns.
+/// Where something that was found stands in the final state: the numbers of its effects, and of its single readings.
 pub(super) fn places_of(outcome: &Outcome, number: usize) -> (Range<usize>, Range<usize>) {
     let count = |found: &[NamedEffect], is_effect: bool| {
         let all = found.iter().flat_map(|found| &found.additions);
@@ -113,24 +114,26 @@ pub(super) fn explained(
                 rivals: rivals.collect(),
                 ..ExplainedEffect::default()
             };
-            let (effects, columns) = places_of(outcome, number);
+            let (effects, singles) = places_of(outcome, number);
             let own = (0..free.len()).filter(|k| effects.contains(&free[*k].0)).map(|k| base + k);
-            let own: Vec<usize> = own.chain(columns.clone().map(|k| base + free.len() + k)).collect();
+            let own: Vec<usize> = own.chain(singles.clone().map(|k| base + free.len() + k)).collect();
             effect.visible_fraction = visible(fitter, outcome, &own)?;
             for at in effects {
                 let instance = &outcome.fit.state.effects[at];
-                describe(&mut effect, instance);
+                describe(&mut effect, instance, &outcome.parameters[at]);
                 effect.list.push(ListedEffect {
                     recording: instance.recording.clone(),
                     parameters: outcome.parameters[at].clone(),
                 });
             }
-            for place in columns {
+            for place in singles {
                 let at = base + free.len() + place;
                 let std = (outcome.fit.covariance[(at, at)] * outcome.last.rest.scale()).sqrt();
-                let column = &outcome.fit.state.columns[place];
-                let part = describe_column(&mut effect, column, std);
-                effect.list.push(part);
+                effect.effect = Kind::Spike.name().into();
+                effect.equation = "dB = h in one reading".into();
+                let height = Quantity::new(outcome.fit.state.singles[place].height_nt, std);
+                let parameters = [("height_nt".to_string(), height)].into_iter().collect();
+                effect.list.push(ListedEffect { parameters, ..ListedEffect::default() });
             }
             if effect.list.len() == 1 {
                 let one = effect.list.remove(0);
@@ -142,11 +145,18 @@ pub(super) fn explained(
 }
 
 /// Says what an effect is.
-fn describe(effect: &mut ExplainedEffect, instance: &EffectInstance) {
+fn describe(
+    effect: &mut ExplainedEffect,
+    instance: &EffectInstance,
+    parameters: &IndexMap<String, Quantity>,
+) {
     let about = instance.kind.about();
     let coil = on_coil(instance);
     effect.effect = about.name.into();
-    effect.sensor = instance.axis.filter(|_| !coil);
+    effect.sensor = match (instance.axis, &followers(parameters)[..]) {
+        (None, [only]) => Some(*only),
+        (axis, _) => axis.filter(|_| !coil),
+    };
     effect.coil = instance.axis.filter(|_| coil);
     effect.column = instance.column.clone();
     effect.title = about.title.into();
@@ -155,25 +165,13 @@ fn describe(effect: &mut ExplainedEffect, instance: &EffectInstance) {
     effect.source = about.source.into();
 }
 
-/// Says what a column is: the parameters of a dependence, or of a reading off by itself.
-fn describe_column(effect: &mut ExplainedEffect, column: &Column, std: f64) -> ListedEffect {
-    let mut parameters = IndexMap::new();
-    let size = Quantity::new(column.coefficient, std);
-    let Some(follows) = &column.follows else {
-        effect.effect = "spike".into();
-        effect.equation = "dB = h in one reading".into();
-        parameters.insert("height_nt".into(), size);
-        return ListedEffect { parameters, ..ListedEffect::default() };
+/// The sensors that follow a column beyond chance.
+pub(super) fn followers(parameters: &IndexMap<String, Quantity>) -> Vec<Axis> {
+    let follows = |axis: &Axis| {
+        let coefficient = parameters.get(&format!("{axis}_nt_per_unit"));
+        coefficient.is_some_and(|c| c.std().is_some_and(|std| c.value().abs() > BEYOND_CHANCE * std))
     };
-    effect.effect = "dependence".into();
-    effect.equation = "dB = c times the column, lagged".into();
-    (effect.column, effect.sensor) = (Some(follows.column.clone()), Some(follows.axis));
-    parameters.insert(dependence::coefficient(&follows.column), size);
-    if follows.lag_s > 0.0 {
-        let lag = follows.lag_std_s.map(|std| Quantity::new(follows.lag_s, std));
-        parameters.insert("lag_s".into(), lag.unwrap_or(Quantity::Bare(follows.lag_s)));
-    }
-    ListedEffect { parameters, ..ListedEffect::default() }
+    Axis::ALL.into_iter().filter(follows).collect()
 }
 
 /// A change of a sum of squares as a change of rms, nT.

@@ -31,7 +31,7 @@ pub(super) fn energy(
     let observed = &model.observed;
     let mut without = outcome.fit.state.clone();
     without.effects.truncate(outcome.base.state.effects.len());
-    without.columns.truncate(outcome.base.state.columns.len());
+    without.singles.truncate(outcome.base.state.singles.len());
     let white = outcome.noise.whiten(observed, &model.residual(&without)?);
     let rest = &outcome.last.rest;
     let noise = if rest.known == 0.0 && outcome.found.is_empty() { 0.0 } else { rest.scale() };

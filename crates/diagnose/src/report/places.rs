@@ -4,12 +4,11 @@ use common::number::{bare, p_value};
 use common::{Axis, DoubtfulValue, Quantity, Share};
 use physics::{ParameterInfo, Place};
 
-use super::effects::places_of;
+use super::effects::{followers, places_of};
 use crate::algebra::square;
-use crate::channel::Channel;
 use crate::covariates;
 use crate::covariates::on_coil;
-use crate::model::{Column, Model};
+use crate::model::{Model, Single};
 use crate::what::{What, named};
 use crate::{Options, Outcome};
 
@@ -23,23 +22,14 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
         (found.gain_nt2, square(&outcome.base.residual) - square(&outcome.fit.residual))
     };
     let energy_share = Some((gain / excess.max(gain)).clamp(0.0, 1.0)).filter(|share| share.is_finite());
-    let (effects, columns) = places_of(outcome, number);
+    let (effects, singles) = places_of(outcome, number);
     let Some(effect) = effects.clone().next().map(|at| &outcome.fit.state.effects[at]) else {
-        let columns = &outcome.fit.state.columns[columns];
-        let follows = || columns.iter().filter_map(|column| column.follows.as_ref());
-        let mut share = Share {
-            energy_share,
-            covariates: follows().map(|follows| follows.column.clone()).collect(),
-            sensors: follows().map(|follows| follows.axis).collect(),
-            description: found.name.clone(),
-            ..Share::default()
-        };
-        if found.local {
-            share.readings = columns.iter().flat_map(|column| single(model, column)).collect();
-            share.recordings = share.readings.iter().map(|reading| reading.recording.clone()).collect();
-            share.recordings.dedup();
-        }
-        return share;
+        let singles = outcome.fit.state.singles[singles].iter();
+        let readings: Vec<DoubtfulValue> = singles.flat_map(|single| doubtful(model, single)).collect();
+        let mut recordings: Vec<String> = readings.iter().map(|reading| reading.recording.clone()).collect();
+        recordings.dedup();
+        let description = found.name.clone();
+        return Share { energy_share, readings, recordings, description, ..Share::default() };
     };
     let about = effect.kind.about();
     let acts = |run: usize| effects.clone().any(|at| outcome.fit.state.acts[at][run]);
@@ -48,7 +38,10 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
         Place::Sensor | Place::Electronics | Place::Logger | Place::Spacecraft => "SEN",
         Place::Facility | Place::Environment | Place::Sites => "GEO",
     };
-    let sensors = if on_coil(effect) { Vec::new() } else { effect.axis.into_iter().collect() };
+    let sensors = match effect.axis {
+        Some(axis) => Some(axis).filter(|_| !on_coil(effect)).into_iter().collect(),
+        None => effects.clone().next().map_or(Vec::new(), |at| followers(&outcome.parameters[at])),
+    };
     let frequency = about.parameters.iter().position(|info| info.name == "frequency_hz");
     let moment = about.parameters.iter().position(ParameterInfo::is_moment);
     Share {
@@ -68,19 +61,15 @@ pub(super) fn share(model: &Model<'_>, outcome: &Outcome, number: usize) -> Shar
     }
 }
 
-/// The one reading that a column is.
-fn single(model: &Model<'_>, column: &Column) -> Vec<DoubtfulValue> {
-    let hit = |channel: &&Channel| channel.range().any(|row| column.values[row] != 0.0);
-    let found = model.observed.channels.iter().filter(hit).map(|channel| {
-        let row = channel.range().position(|row| column.values[row] != 0.0).unwrap_or(0);
-        DoubtfulValue {
-            recording: model.observed.runs[channel.run].recording.id.clone(),
-            column: channel.column.clone(),
-            row: channel.rows[row],
-            departure_nt: Quantity::Bare(column.coefficient),
-        }
-    });
-    found.collect()
+/// A single reading where it stands in the document.
+fn doubtful(model: &Model<'_>, single: &Single) -> Option<DoubtfulValue> {
+    let channel = model.observed.channels.iter().find(|channel| channel.range().contains(&single.row))?;
+    Some(DoubtfulValue {
+        recording: model.observed.runs[channel.run].recording.id.clone(),
+        column: channel.column.clone(),
+        row: channel.rows[single.row - channel.at],
+        departure_nt: Quantity::Bare(single.height_nt),
+    })
 }
 
 /// Where structure without a name lies.
@@ -96,7 +85,6 @@ pub(super) fn nameless_share(outcome: &Outcome, options: &Options) -> Option<Sha
     };
     let (covariate, axis): (String, Option<Axis>) = match &structure.what {
         What::Smooth { covariate, axis } => (covariate.clone(), Some(*axis)),
-        What::Dependence { column, axis } => (column.clone(), Some(*axis)),
         What::Physics(effect) => (named(effect), effect.axis),
     };
     let rest = &outcome.last.rest;

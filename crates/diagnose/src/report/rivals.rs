@@ -3,8 +3,10 @@
 
 use common::PlainRegression;
 use faer::Mat;
+use physics::Acts;
 
 use super::residuals::{held_out_nt, rms};
+use crate::candidates::{Candidate, searched};
 use crate::fit::{Fit, Fitter};
 use crate::search::Searcher;
 use crate::what::What;
@@ -23,8 +25,13 @@ pub(super) fn rivals(
         .flat_map(|one| one.trials.iter().map(|trial| (one.what.name(), trial.columns.as_slice())))
         .unzip();
     let chosen = screen.stepwise(&groups)?;
-    // Of a recorded column, the trial without a lag.
-    let recorded = pool.candidates.iter().filter(|one| matches!(one.what, What::Dependence { .. }));
+    let follows = |one: &&Candidate| match &one.what {
+        What::Physics(effect) => {
+            matches!(effect.kind.about().acts, Acts::WithColumn(_)) && searched(effect.kind).is_none()
+        }
+        What::Smooth { .. } => false,
+    };
+    let recorded = pool.candidates.iter().filter(follows);
     let (straight, every): (Vec<String>, Vec<&[usize]>) =
         recorded.filter_map(|one| Some((one.what.name(), one.trials.first()?.columns.as_slice()))).unzip();
     let mut of = |name: &str, mut terms: Vec<String>, groups: Vec<&[usize]>| -> Result<_, Error> {

@@ -49,12 +49,10 @@ fn a_housekeeping_column_is_named_as_a_dependence() {
         let std = quantity.std().expect("an uncertainty");
         assert!((quantity.value() - truth).abs() < 3.0 * std && std < 0.3 * truth, "{name}: {words}");
     };
-    within("coefficient_nt_per_w", PER_W);
+    within("z_nt_per_unit", PER_W);
     within("lag_s", LAG_S);
     let fit = entry.fit.expect("a fit");
     assert!((fit.held_out_after_nt / NOISE_NT - 1.0).abs() < 0.05, "{words}");
-    assert!(
-        found.model.is_none_or(|model| model.effects.is_empty()),
-        "a dependence is no physics to simulate"
-    );
+    let effects = found.model.expect("a model").effects;
+    assert_eq!(effects.iter().map(|one| one.effect.as_str()).collect::<Vec<_>>(), ["dependence"]);
 }

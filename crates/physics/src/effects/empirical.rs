@@ -40,7 +40,7 @@ impl Effect for Empirical {
         family: Family::FollowsColumn,
         place: Place::Sensor,
         stage: Stage::Sensor,
-        acts: Acts::WithColumn,
+        acts: Acts::WithColumn(""),
         parameters: coefficients!(
             "x_1_nt", "x_2_nt", "x_3_nt", "x_4_nt", "x_5_nt", "x_6_nt", "y_1_nt", "y_2_nt", "y_3_nt",
             "y_4_nt", "y_5_nt", "y_6_nt", "z_1_nt", "z_2_nt", "z_3_nt", "z_4_nt", "z_5_nt", "z_6_nt"

@@ -16,7 +16,7 @@ impl Effect for StrayCurrent {
         family: Family::FollowsColumn,
         place: Place::Spacecraft,
         stage: Stage::Block,
-        acts: Acts::WithColumn,
+        acts: Acts::WithColumn("_a"),
         parameters: &[
             ParameterInfo::amplitude("x_nt_per_a", 0.1, 10_000.0),
             ParameterInfo::amplitude("y_nt_per_a", 0.1, 10_000.0),
@@ -53,7 +53,7 @@ macro_rules! rotor {
                 family: Family::Lines,
                 place: Place::Spacecraft,
                 stage: Stage::Block,
-                acts: Acts::WithColumn,
+                acts: Acts::WithColumn("_hz"),
                 parameters: &[
                     ParameterInfo::amplitude("x_sine_nt", 0.01, 100.0),
                     ParameterInfo::amplitude("x_cosine_nt", 0.01, 100.0),

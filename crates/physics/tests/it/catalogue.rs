@@ -83,7 +83,7 @@ fn typical(kind: Kind) -> EffectInstance {
     EffectInstance {
         kind,
         axis: matches!(acts, Acts::OneSensor | Acts::OneCoil).then_some(Axis::X),
-        column: (acts == Acts::WithColumn).then(|| "panel_current_a".into()),
+        column: matches!(acts, Acts::WithColumn(_)).then(|| "panel_current_a".into()),
         recording: None,
         within: Default::default(),
         parameters,

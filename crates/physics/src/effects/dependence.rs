@@ -1,0 +1,41 @@
+use super::prelude::*;
+use crate::memory::{Before, Signal};
+
+/// ΔB = c (u_lag − u₀) along the sensors, u a recorded column of any unit, τ du_lag/dt = u − u_lag, in equilibrium at
+/// the first row and where there are no times. With τ = 0 the sensors follow at once.
+pub struct Dependence;
+
+impl Effect for Dependence {
+    const ABOUT: About = About {
+        name: "dependence",
+        title: "the sensors follow a recorded column",
+        physics: "Something that is recorded moves the sensors' offsets or makes a field fixed to them: a heater, a pressure, \
+            a moving part. What it is only the column's name says.",
+        equation: "dB = c (u_lag - u_0), tau du_lag/dt = u - u_lag, u_0 the reference",
+        source: "Olsen et al. 2020, Magnetic observations from CryoSat-2: calibration and processing of satellite platform magnetometer data, Earth Planets Space 72, 48",
+        family: Family::FollowsColumn,
+        place: Place::Sensor,
+        stage: Stage::Sensor,
+        acts: Acts::WithColumn(""),
+        parameters: &[
+            ParameterInfo::amplitude("x_nt_per_unit", 1e-6, 1e6),
+            ParameterInfo::amplitude("y_nt_per_unit", 1e-6, 1e6),
+            ParameterInfo::amplitude("z_nt_per_unit", 1e-6, 1e6),
+            ParameterInfo::shape("lag_s", 0.1, 100_000.0).or_zero(),
+            ParameterInfo::span("reference", 1e-3, 1e6),
+        ],
+        needs: &["a recorded column", "rows in the order taken"],
+    };
+
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
+        let column = around.context.column(around.column, Self::ABOUT.name)?;
+        let mut values: Vec<T> = column.iter().map(|value| -parameters[4] + *value).collect();
+        let lag_s = parameters[3];
+        if let (true, Ok(time)) = (lag_s.re() > 0.0, around.context.times(Self::ABOUT.name)) {
+            values = Signal::new(time, values).lagged(lag_s, Before::Equilibrium);
+        }
+        let coefficients = Vector3::from_column_slice(&parameters[..3]);
+        signal.iter_mut().zip(values).for_each(|(field, value)| *field += coefficients * value);
+        Ok(())
+    }
+}
