@@ -474,6 +474,9 @@ pub struct MovedConstant {
     /// Constants that could have moved in its place.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub alternatives: Vec<String>,
+    /// The one cause that moves it together with others of this list.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cause: Option<String>,
 }
 
 /// The smallest effect that would have been seen.

@@ -2,7 +2,6 @@
 //! what is known of their sizes beforehand.
 
 use common::Axis;
-use common::number::counted as plural;
 use physics::{Acts, EffectInstance, ParameterInfo, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -224,7 +223,7 @@ impl<'p> Atoms<'p> {
         let looks: f64 = events.iter().map(|event| event.looks.max(1.0).ln()).sum();
         let name = match events {
             [first, others @ ..] if others.iter().all(|other| other.name == first.name) => first.name.clone(),
-            [first, .., _] => format!("{} and {}", first.name, plural(events.len() - 1, "other reading")),
+            [first, .., _] => format!("{} and {} more", first.name, events.len() - 1),
             _ => events.iter().map(|event| event.name.clone()).collect(),
         };
         let columns = self.add_columns(columns);

@@ -87,7 +87,12 @@ pub fn search(
         let mut answer =
             weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
-        let (fit, noise, left) = match beside(document, model, &ground, &additions) {
+        let near = beside(model, &ground, &additions);
+        let (fit, noise, left) = match near.and_then(|fit| {
+            let left = square(&fit.white[..fit.residual.len()]);
+            let (fit, noise) = with_noise(document, model, &ground, fit)?;
+            Ok((fit, noise, left))
+        }) {
             Err(Error::Unanswerable(_)) => {
                 let answer = answer.unexplained("no fit with it converges");
                 let last = (origin.fit.clone(), origin.noise.clone(), origin.look.clone());
@@ -106,7 +111,7 @@ pub fn search(
         if round <= REFITS {
             for rival in &answer.rivals {
                 // A rival that has no minimum is none.
-                if let Ok((fit, ..)) = beside(document, model, &ground, rival) {
+                if let Ok(fit) = beside(model, &ground, rival) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
                 }
             }
@@ -292,17 +297,10 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// The ground with additions, at its minimum, the noise that it leaves, and the sum of squares at the minimum
-/// under the noise of the ground.
-fn beside(
-    document: &Document,
-    model: &Model<'_>,
-    ground: &Ground,
-    additions: &[Addition],
-) -> Result<(Fit, NoiseModel, f64), Error> {
+/// The ground with additions, at its minimum under the noise of the ground.
+fn beside(model: &Model<'_>, ground: &Ground, additions: &[Addition]) -> Result<Fit, Error> {
     let state = &with_additions(model, &ground.fit.state, additions);
-    let noise = &ground.noise;
-    let fitter = Fitter { model, noise };
+    let fitter = Fitter { model, noise: &ground.noise };
     let from = ground.fit.state.effects.len();
     let hides = (state.effects[from..].iter())
         .any(|effect| effect.kind.about().stage == Stage::Converter || !effect.kind.invertible());
@@ -310,12 +308,20 @@ fn beside(
     for number in from..state.effects.len() {
         fit = events::settled_in_time(&fitter, fit, number)?;
     }
-    let left = square(&fit.white[..fit.residual.len()]);
-    if noise.known > 0.0 && ground.codes.is_empty() && !changes_noise(state, from) {
-        return Ok((fit, noise.clone(), left));
-    }
-    let (fit, noise) = settled(document, model, &fit.state)?;
-    Ok((fit, noise, left))
+    Ok(fit)
+}
+
+/// A fit on the ground with the noise that it leaves, where that is not the ground's.
+fn with_noise(
+    document: &Document,
+    model: &Model<'_>,
+    ground: &Ground,
+    fit: Fit,
+) -> Result<(Fit, NoiseModel), Error> {
+    let is_same = ground.noise.known > 0.0
+        && ground.codes.is_empty()
+        && !changes_noise(&fit.state, ground.fit.state.effects.len());
+    if is_same { Ok((fit, ground.noise.clone())) } else { settled(document, model, &fit.state) }
 }
 
 /// Whether an effect that came in is a part of the noise.

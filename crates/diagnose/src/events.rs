@@ -104,13 +104,22 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
     let singles = isolated(singles, spike).into_iter().map(|best| (best, Kind::Spike, true));
     for (best, kind, alone) in singles.chain(steps).filter(|(best, ..)| best.gain > 0.0) {
         let scatter = all[best.channel].scatter;
-        // A step of the field's magnitude may be that of any sensor.
-        let axes: Vec<Option<Axis>> = match (kind, observed.channels[best.channel].reader) {
-            (_, Reader::Sensor(axis)) => vec![Some(axis)],
-            (Kind::ReadingStep, Reader::Magnitude) => Axis::ALL.map(Some).to_vec(),
-            _ => vec![None],
+        let channel = &observed.channels[best.channel];
+        let row = channel.rows[best.row];
+        // What steps in one sensor may do so in all; a step of the field's magnitude may be that of any sensor.
+        let beside = observed.channels.iter().enumerate().filter(|(_, other)| other.run == channel.run);
+        let places: Vec<(Best, Option<Axis>)> = match (kind, channel.reader) {
+            (Kind::ReadingStep, Reader::Sensor(_)) => beside
+                .filter_map(|(number, other)| {
+                    let row = other.rows.iter().position(|at| *at == row)?;
+                    Some((Best { channel: number, row, ..best }, Some(other.axis()?)))
+                })
+                .collect(),
+            (Kind::ReadingStep, Reader::Magnitude) => Axis::ALL.map(|axis| (best, Some(axis))).to_vec(),
+            (_, Reader::Sensor(axis)) => vec![(best, Some(axis))],
+            _ => vec![(best, None)],
         };
-        for axis in axes {
+        for (best, axis) in places {
             found.extend(moment(fitter, fit, (rest, scatter), (best, axis), (kind, alone), looks)?);
         }
     }

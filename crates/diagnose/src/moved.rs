@@ -39,8 +39,10 @@ pub fn moved(document: &Document, model: &Model<'_>, outcome: &Outcome, level: f
         model.unknowns.iter().map(|unknown| stated_std(calibration, unknown)).collect();
     let mut held = Held::of(outcome, &stated);
     let mut found: Vec<MovedConstant> = Vec::new();
+    let mut constants: Vec<&Unknown> = Vec::new();
     while let Some(next) = held.most_moved(level) {
         held.let_go(next.constant);
+        constants.push(&model.unknowns[next.constant]);
         let (shift, std) = held.estimate(next.constant);
         found.push(MovedConstant {
             parameter: name(model, &model.unknowns[next.constant]),
@@ -48,9 +50,30 @@ pub fn moved(document: &Document, model: &Model<'_>, outcome: &Outcome, level: f
             stated_std: stated[next.constant].unwrap_or_default(),
             p_adjusted: next.p,
             alternatives: next.alternatives.iter().map(|k| name(model, &model.unknowns[*k])).collect(),
+            cause: None,
         });
     }
+    for (one, constant) in found.iter_mut().zip(&constants) {
+        one.cause = cause(constant, &constants).map(str::to_string);
+    }
     found
+}
+
+/// What moves a constant together with others that moved: offsets of coils as a constant field does, offsets of sensors
+/// as hard iron, scales and directions of sensors as soft iron (nine numbers).
+fn cause(constant: &Unknown, moved: &[&Unknown]) -> Option<&'static str> {
+    let of = |unknown: &Unknown| match unknown {
+        Unknown::Chain(Parameter::CoilOffset(_), _) => Some(("a constant field in the coils", 2)),
+        Unknown::Chain(Parameter::SensorOffset(_), _) => {
+            Some(("a constant field fixed to the sensors, as of hard iron", 2))
+        }
+        Unknown::Chain(Parameter::Sensitivity(_) | Parameter::SensorTurn(..), _) => {
+            Some(("a field in proportion to the field, as of soft iron", 4))
+        }
+        _ => None,
+    };
+    let (cause, least) = of(constant)?;
+    (moved.iter().filter(|other| of(other) == Some((cause, least))).count() >= least).then_some(cause)
 }
 
 /// What recordings say of the unknowns, with constants held where they are stated.

@@ -5,6 +5,7 @@ use common::{
     Axis, Diagnosis, Document, ExplainedEffect, ExplainedFamily, FamilyMember, ListedEffect, MovedConstant,
     Quantity, Verdict,
 };
+use indexmap::IndexMap;
 use std::fmt::Write;
 
 use crate::decide::{AS_MUCH, SURE};
@@ -25,6 +26,20 @@ pub fn summary(document: &Document) -> String {
         one(&mut text, entry);
     }
     text
+}
+
+/// The constants that moved, those of one cause together.
+fn moved(constants: &[MovedConstant]) -> String {
+    let mut told: IndexMap<Option<&str>, Vec<String>> = IndexMap::new();
+    for one in constants {
+        let words = format!("{} changed by {}", one.parameter, one.shift);
+        told.entry(one.cause.as_deref()).or_default().push(words);
+    }
+    let told = told.into_iter().map(|(cause, constants)| match cause {
+        Some(cause) => format!("{cause} ({})", constants.join(", ")),
+        None => constants.join(", "),
+    });
+    told.collect::<Vec<_>>().join(", ")
 }
 
 /// The answer in one sentence, with its size and what it does to the residuals.
@@ -51,9 +66,7 @@ pub fn answer(entry: &Diagnosis) -> String {
             format!("the model agrees with the recordings to their noise: {refitted}, {noise}")
         }
         Verdict::Explained if entry.effects.is_empty() => {
-            let moved = |one: &MovedConstant| format!("{} changed by {}", one.parameter, one.shift);
-            let moved: Vec<String> = entry.calibration_moved.iter().map(moved).collect();
-            format!("{}: {refitted}, {noise}", moved.join(", "))
+            format!("{}: {refitted}, {noise}", moved(&entry.calibration_moved))
         }
         Verdict::Explained => format!("{}; {with}, {falls} ({noise})", names(entry)),
         Verdict::PartlyExplained => {
