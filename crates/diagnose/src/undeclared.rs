@@ -1,7 +1,6 @@
 //! Noise that nobody declared is estimated from a residual that has in it what is to be found: slow effects
-//! pass for slow noise. Where nothing is named, the noise is estimated again from what the best names leave
-//! when all noise is taken for white; what is found then counts where it makes the readings that much more
-//! likely, each answer with its own noise.
+//! pass for slow noise. So it is first estimated from what the best names leave when all noise is taken for
+//! white; what is found then counts where it makes the readings that much more likely than slow noise alone does.
 
 use common::Document;
 
@@ -22,21 +21,19 @@ pub fn search(
     told: &dyn Fn(&str),
 ) -> Result<Outcome, Error> {
     let slow = (0..model.observed.channels.len()).any(|channel| base_noise.remembers(channel));
-    let estimated = base_noise.known == 0.0;
-    let outcome = course::search(document, model, searcher, before, (base, base_noise), told)?;
-    if !(estimated && slow && outcome.found.is_empty()) {
-        return Ok(outcome);
+    if base_noise.known == 0.0 && slow {
+        told("searching with less slow noise");
+        if let Some(noise) = beside_names(document, model, searcher, &base)? {
+            let fit = Fitter { model, noise: &noise }.refine(&base.state)?;
+            let other = course::search(document, model, searcher, before.clone(), (fit, noise), told)?;
+            let likelier = other.fit.log_likelihood(&other.noise) - base.log_likelihood(&base_noise);
+            if !other.found.is_empty() && likelier > cost(searcher, model, &other) {
+                let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
+                return Ok(Outcome { base, base_noise, first, ..other });
+            }
+        }
     }
-    told("searching again with less slow noise");
-    let Some(noise) = beside_names(document, model, searcher, &outcome.base)? else { return Ok(outcome) };
-    let fit = Fitter { model, noise: &noise }.refine(&outcome.base.state)?;
-    let other = course::search(document, model, searcher, outcome.before.clone(), (fit, noise), told)?;
-    let likelier = other.fit.log_likelihood(&other.noise) - outcome.base.log_likelihood(&outcome.base_noise);
-    if other.found.is_empty() || likelier < cost(searcher, model, &other) {
-        return Ok(outcome);
-    }
-    let Outcome { base, base_noise, first, .. } = outcome;
-    Ok(Outcome { base, base_noise, first, ..other })
+    course::search(document, model, searcher, before, (base, base_noise), told)
 }
 
 /// The noise of what the best names leave, all noise taken for white; None where there are no names.
