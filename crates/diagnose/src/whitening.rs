@@ -172,7 +172,8 @@ impl NoiseModel {
 /// is one level throughout. Where the noise was estimated from a residual, nothing is known of it below one
 /// over the recording's length: there it is level, and a recording's mean is known as well as if its readings
 /// were independent. Otherwise steep noise would take the level for noise, and with it the calibration that
-/// was to explain it.
+/// was to explain it. From one recording to the next flicker noise goes on: levels differ by as much as noise whose
+/// density grows no faster than 1/f from there on down to one over the campaign's length.
 fn whitening(
     observed: &Observed<'_>,
     channel: &Channel,
@@ -182,8 +183,8 @@ fn whitening(
     let time = observed.times(channel);
     let rows = channel.rows.len();
     let length = time.as_ref().map_or(1.0, |time| time[time.len() - 1] - time[0]);
-    let campaign = observed.span().map_or(0.0, |(_, length)| OLDEST * length);
-    let oldest = if declared { campaign.max(length) } else { length * noise::SLOWEST };
+    let campaign = observed.span().map_or(0.0, |(_, length)| length);
+    let oldest = if declared { length.max(OLDEST * campaign) } else { length * noise::SLOWEST };
     let refused = |error: NoiseError| {
         Error::document(
             observed.runs[channel.run].path.clone(),
@@ -195,6 +196,10 @@ fn whitening(
     if declared || whitening.is_white() {
         return Ok(whitening);
     }
-    let variance = whitening.variance_nt2();
-    Ok(whitening.with_level((variance / rows as f64).sqrt()))
+    let density = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
+    let slower = density
+        * length.powf(noise.flicker_exponent.unwrap_or(1.0) - 1.0)
+        * (campaign / length).ln().max(0.0);
+    let variance = whitening.variance_nt2() / rows as f64 + slower;
+    Ok(whitening.with_level(variance.sqrt()))
 }
