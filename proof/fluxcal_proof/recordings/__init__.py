@@ -32,3 +32,7 @@ The recordings are not in the repository. `python3 -m fluxcal_proof.recordings` 
 Which hosts answer `agrees` before anything is injected is for the scores to ask: others are told, not used.
 """
 
+from .hosts import Host, hosts
+from .inject import MEMBERS, STRENGTHS, Injection, inject, injections
+
+__all__ = ["MEMBERS", "STRENGTHS", "Host", "Injection", "hosts", "inject", "injections"]
