@@ -7,12 +7,14 @@ The recordings are not in the repository. `python3 -m fluxcal_proof.recordings` 
         Real recordings at rest, read by `ingest`; those whose folder is missing are left out.
 
     Host
-        name, folder, words, source   which recording, and how it was cut
+        name, words, source           which recording, and how it was cut
         kind                          "pair" (two vectors), "ambient" (a vector in a known field),
                                       "scalar" (a vector beside a scalar magnetometer), "single"
         document                      dict, as it came: calibration and one recording
         rows, scatter_nt              rms of what the basic model leaves of it, nT
-        suits                         names of the members that it can carry, of `MEMBERS`
+
+    suits(host) -> list[str]
+        Names of the members of which a host has the inputs.
 
     inject(host, member, strength, rng) -> Injection | None
         An effect whose residual under the basic model is `strength` times the scatter of the host (rms);
@@ -33,6 +35,6 @@ Which hosts answer `agrees` before anything is injected is for the scores to ask
 """
 
 from .hosts import Host, hosts
-from .inject import MEMBERS, STRENGTHS, Injection, inject, injections
+from .inject import STRENGTHS, Injection, inject, injections, suits
 
-__all__ = ["MEMBERS", "STRENGTHS", "Host", "Injection", "hosts", "inject", "injections"]
+__all__ = ["STRENGTHS", "Host", "Injection", "hosts", "inject", "injections", "suits"]

@@ -1,340 +1,173 @@
 """Effects injected into real recordings: physics from published equations, acting in what was recorded.
 
-Fields between readings are cubic splines through them, temperatures straight lines. Several members act in a form a
-little finer than the catalogue's equation (two poles, two bodies, a ring after a spike), so that a name is not right
-for the sake of an equation that both sides share. Equations and sources stand with each member.
+Fields between readings are cubic splines through them, temperatures straight lines. Most members are a little finer than the catalogue's
+equation (two poles, two bodies, a ring after a spike): what is found is not what the finder itself would have added.
 """
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .hosts import Host
-from .series import AXES
+from .pair import DAY_S
+from .series import AXES, relaxed
 
 STRENGTHS = (3.0, 1.0, 10.0, 0.3)  # times the scatter of the host
 CLOSE = 0.1  # accepted departure from the wanted strength
-LEAST_LEFT = 0.05  # of the changes of an effect a fresh calibration must leave so much
-LEAST_ALONG = 0.1  # of the field, in the sensor, where the length alone is seen
+LEAST_LEFT = 0.05  # a fresh calibration leaves at least so much of the changes of an effect
+LEAST_ALONG = 0.1  # least share of the field in the sensor, where the length alone is seen
 MOST_NT = 60_000.0  # the most that may be added to a reading
 TRIES = 12
-DAY_S = 86_400.0
 
 
-@dataclass
-class Effect:
-    """What is added by a size, and what the catalogue's parameters should then be."""
+class Effect(NamedTuple):
+    """What a size s adds to the readings, nT (one column for a sensor, three for all), and what is then right."""
 
-    act: Callable[[float], np.ndarray]  # rows × 3, nT
-    parameters: Callable[[float], dict[str, float]] = lambda size: {}
-    also: tuple[str, ...] = ()  # other names that are right
-    sensor: int | None = None  # None: all
-
-
-class Member(NamedTuple):
     family: str
-    needs: set[str]
-    make: Callable[[Host, np.random.Generator], Effect]
+    needs: set[str]  # of what a host has
+    act: Callable[[float], np.ndarray]
+    parameters: Callable[[float], dict[str, float]] = lambda s: {}
+    also: tuple[str, ...] = ()  # other names that are right
 
 
 class Injection(NamedTuple):
+    """A document, what is true of it, and the document as it came."""
+
     document: dict
     truth: dict
     untouched: dict
 
 
-MEMBERS: dict[str, Member] = {}
+def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effect]:
+    """One of each member, with what is random in it drawn; t from the first row, b the field and m the readings of the sensor."""
+    t, b, m, rows = host.time_s - host.time_s[0], host.fields[:, sensor], host.readings[:, sensor], np.arange(host.rows)
+    span, step, row = t[-1], np.median(np.diff(t)), int(host.rows * rng.uniform(0.2, 0.8))
+    tau, at, sign, vector, turns = span * rng.uniform(0.05, 0.25), host.time_s[row], rng.choice([-1, 1]), rng.normal(size=3), rng.uniform(3, 8)
 
+    def moved(late_s: np.ndarray | float) -> np.ndarray:
+        """The fields so much earlier, less the fields; held before the first reading."""
+        return CubicSpline(t, host.fields)(np.clip(t - late_s, 0, span)) - host.fields
 
-def member(family: str, *needs: str) -> Callable:
-    """Adds what follows to the table, under its name."""
-    def add(make: Callable[[Host, np.random.Generator], Effect]) -> Callable:
-        MEMBERS[make.__name__] = Member(family, set(needs), make)
-        return make
-    return add
+    def induced(s: float) -> np.ndarray:
+        fast = host.fields - np.column_stack([relaxed(t, one, 0.3 * tau) for one in host.fields.T])
+        return s * fast @ (vector[:, None] * [0.2, 0.2, 1.0])
 
+    def two_bodies(x: np.ndarray) -> np.ndarray:
+        return 0.9 * relaxed(t, x, tau) + 0.1 * relaxed(t, x, 0.2 * tau)
 
-def in_sensor(host: Host, rng: np.random.Generator, act: Callable[[int], Callable[[float], np.ndarray]],
-              parameters: Callable[[float], dict[str, float]] = lambda size: {}, also: tuple[str, ...] = ()) -> Effect:
-    """In one sensor, drawn; `act` makes of a sensor what a size adds to it."""
-    sensor = int(rng.integers(3))
-    of_size = act(sensor)
-    return Effect(lambda size: np.outer(of_size(size), np.eye(3)[sensor]), parameters, also, sensor)
+    def works(s: float) -> np.ndarray:
+        moment = host.series.start_s + host.time_s
+        return s * np.outer(np.clip(2 * (5 - np.abs(moment / 3600 % 24 - 12)), 0, 1) * ((moment // DAY_S + 3) % 7 < 5), vector)
 
-
-def shaped(host: Host, rng: np.random.Generator, shape: np.ndarray, **further: object) -> Effect:
-    """In one sensor, in proportion to a shape of the rows."""
-    return in_sensor(host, rng, lambda sensor: lambda size: size * shape, **further)
-
-
-def relaxed(t: np.ndarray, x: np.ndarray, tau: float) -> np.ndarray:
-    """τ dy/dt = x − y, exact for x straight between rows; at rest in the first row."""
-    y = np.array(x, float)
-    step = np.diff(t)
-    decay = np.exp(-step / tau)
-    for row, (h, e) in enumerate(zip(step, decay)):
-        slope = (x[row + 1] - x[row]) / h
-        y[row + 1] = x[row + 1] - slope * tau + (y[row] - x[row] + slope * tau) * e
-    return y
-
-
-def elapsed(host: Host) -> np.ndarray:
-    return host.time_s - host.time_s[0]
-
-
-def moved(host: Host, late_s: np.ndarray | float) -> np.ndarray:
-    """The fields so much earlier, less the fields; held before the first reading."""
-    t = np.clip(host.time_s - late_s, host.time_s[0], host.time_s[-1])
-    return CubicSpline(host.time_s, host.fields)(t) - host.fields
-
-
-def sample(host: Host) -> float:
-    return float(np.median(np.diff(host.time_s)))
-
-
-@member("late_response", "field")
-def loop_bandwidth(host: Host, rng: np.random.Generator) -> Effect:
-    """Two equal poles, τ in sum (Auster et al. 2008, Space Sci. Rev. 141, 235)."""
-    def act(sensor: int) -> Callable[[float], np.ndarray]:
-        b = host.fields[:, sensor]
-        return lambda tau: relaxed(host.time_s, relaxed(host.time_s, b, tau / 2), tau / 2) - b
-    return in_sensor(host, rng, act, lambda tau: {"lag_s": tau, "delay_s": tau}, ("delay",))
-
-
-@member("late_response", "field")
-def delay(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = B(t − d) − B(t) (Primdahl 1979, J. Phys. E 12, 241)."""
-    return in_sensor(host, rng, lambda sensor: lambda d: moved(host, d)[:, sensor],
-                     lambda d: {"delay_s": d, "lag_s": d}, ("loop_bandwidth",))
-
-
-@member("late_response", "field")
-def clock_offset(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = B(t − Δt) − B(t), all sensors (INTERMAGNET Technical Reference Manual)."""
-    sign = rng.choice([-1, 1])
-    return Effect(lambda s: moved(host, sign * s), lambda s: {"offset_s": sign * s})
-
-
-@member("late_response", "field")
-def clock_rate(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = B(t − r t) − B(t), all sensors; the quartz warms, r grows by a tenth (Vig 1992, quartz standards)."""
-    t = elapsed(host)
-    return Effect(lambda ppm: moved(host, 1e-6 * ppm * t * (0.95 + 0.1 * t / t[-1])), lambda ppm: {"rate_ppm": ppm})
-
-
-@member("late_response", "pair")
-def induction_difference(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = C (B − L), τ dL/dt = B − L, the vertical most (Parkinson 1959, Geophys. J. 2, 1)."""
-    tau = np.ptp(host.time_s) * rng.uniform(0.01, 0.1)
-    fast = host.fields - np.column_stack([relaxed(host.time_s, b, tau) for b in host.fields.T])
-    c = rng.normal(size=(3, 3)) * np.array([0.2, 0.2, 1.0])
-    return Effect(lambda size: size * fast @ c, lambda size: {"time_constant_s": tau})
-
-
-def warmth(host: Host, column: str) -> np.ndarray:
-    return host.series[column] - host.series[column].mean()
-
-
-def of_temperature(name: str, column: str, late: bool) -> None:
-    """dB = c (T − T_ref), T the column or late by a relaxation of two bodies (NASA CR-156638, eq. 29)."""
-    def make(host: Host, rng: np.random.Generator) -> Effect:
-        t, fixed = warmth(host, column), {}
-        if late:
-            fixed["lag_s"] = tau = np.ptp(host.time_s) * rng.uniform(0.03, 0.2)
-            t = 0.9 * relaxed(host.time_s, t, tau) + 0.1 * relaxed(host.time_s, t, 0.2 * tau)
-        else:
-            t = t * (1 + 0.02 * t / np.abs(t).max())
-        return shaped(host, rng, t, parameters=lambda c: {"coefficient_nt_per_k": c, **fixed})
-    MEMBERS[name] = Member("follows_column", {column}, make)
-
-
-of_temperature("offset_temperature", "sensor_temperature_c", late=False)
-of_temperature("offset_temperature_lag", "sensor_temperature_c", late=True)
-of_temperature("offset_electronics_temperature", "electronics_temperature_c", late=False)
-of_temperature("offset_electronics_temperature_lag", "electronics_temperature_c", late=True)
-
-
-@member("own_field", "drive")
-def hysteresis(host: Host, rng: np.random.Generator) -> Effect:
-    """Eight plays side by side, y = max(x − r, min(x + r, y)) (Krasnosel'skii and Pokrovskii 1989)."""
-    def act(sensor: int) -> Callable[[float], np.ndarray]:
-        x = host.fields[:, sensor]
-        total = np.zeros(len(x))
-        for r in np.ptp(x) * np.linspace(0.02, 0.16, 8):
-            y = x[0]
-            for row, value in enumerate(x):
-                y = max(value - r, min(value + r, y))
-                total[row] += (y - value) / (8 * r)
-        return lambda size: size * total
-    return in_sensor(host, rng, act)
-
-
-@member("time")
-def warm_up(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = a exp(−t/τ), with a tenth of it in a quicker body (Jankowski and Sucksdorff 1996, IAGA Guide)."""
-    tau = np.ptp(host.time_s) * rng.uniform(0.05, 0.25)
-    shape = 0.9 * np.exp(-elapsed(host) / tau) + 0.1 * np.exp(-elapsed(host) / (0.2 * tau))
-    return shaped(host, rng, shape, parameters=lambda a: {"amplitude_nt": a, "time_constant_s": tau})
-
-
-@member("time")
-def ageing(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = b t, a tenth slower at the end than at the beginning (NASA CR-156638, drift of offsets)."""
-    t = elapsed(host)
-    shape = (t - 0.05 * t**2 / t[-1]) / DAY_S
-    return shaped(host, rng, shape, parameters=lambda b: {"rate_nt_per_day": b})
-
-
-@member("time")
-def reading_step(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = h from a moment on (Jankowski and Sucksdorff 1996)."""
-    at = host.time_s[int(host.rows * rng.uniform(0.2, 0.8))]
-    return shaped(host, rng, 1.0 * (host.time_s >= at), parameters=lambda h: {"height_nt": h, "time_s": at})
-
-
-@member("time", "day")
-def working_hours(host: Host, rng: np.random.Generator) -> Effect:
-    """A field from 7 to 17 h, Monday to Friday, that comes and goes in half an hour (Lowes 2009, DC railways)."""
-    moment = host.series.start_s + host.time_s
-    hour, weekday = moment / 3600 % 24, (moment // DAY_S + 3) % 7
-    on = np.clip((hour - 7) * 2, 0, 1) * np.clip((17 - hour) * 2, 0, 1) * (weekday < 5)
-    v = rng.normal(size=3)
-    return Effect(lambda size: size * np.outer(on, v / np.linalg.norm(v)))
-
-
-@member("moments")
-def spike(host: Host, rng: np.random.Generator) -> Effect:
-    """One reading jumps, and rings by a tenth in the next (Jankowski and Sucksdorff 1996)."""
-    row, shape = int(host.rows * rng.uniform(0.1, 0.9)), np.zeros(host.rows)
-    shape[row:row + 2] = 1, -0.1
-    return shaped(host, rng, shape, parameters=lambda h: {"height_nt": h, "time_s": host.time_s[row]})
-
-
-@member("moments")
-def dropout(host: Host, rng: np.random.Generator) -> Effect:
-    """A channel holds its value for a while, of so many samples (Jankowski and Sucksdorff 1996)."""
-    first = int(host.rows * rng.uniform(0.1, 0.6))
-
-    def act(sensor: int) -> Callable[[float], np.ndarray]:
-        readings = host.readings[:, sensor]
-        held = np.arange(host.rows) >= first
-        return lambda samples: (readings[first] - readings) * (held & (np.arange(host.rows) < first + 20 * samples))
-    return in_sensor(host, rng, act, lambda samples: {"time_s": host.time_s[first]})
-
-
-@member("moments", "quick")
-def vehicle_pass(host: Host, rng: np.random.Generator) -> Effect:
-    """A dipole m on a straight path: B = (3 (m·r) r / r⁵ − m / r³), r the way to the sensor (Jackson)."""
-    at, d = host.time_s[int(host.rows * rng.uniform(0.2, 0.8))], sample(host) * rng.uniform(4, 12)
-    along, across = np.linalg.qr(rng.normal(size=(3, 2)))[0].T
-    r = np.outer((host.time_s - at) / d, along) + across
-    m, length = rng.normal(size=3), np.linalg.norm(r, axis=1)[:, None]
-    return Effect(lambda size: size * (3 * (r @ m)[:, None] * r / length**5 - m / length**3))
-
-
-@member("lines")
-def periodic_field(host: Host, rng: np.random.Generator) -> Effect:
-    """One frequency of a machine near by, in all sensors (Jankowski and Sucksdorff 1996)."""
-    hertz, v = 1 / (sample(host) * rng.uniform(5, 50)), rng.normal(size=3)
-    wave = np.sin(2 * np.pi * hertz * host.time_s + rng.uniform(0, 2 * np.pi))
-    return Effect(lambda size: size * np.outer(wave, v / np.linalg.norm(v)), lambda size: {"frequency_hz": hertz},
-                  ("mains", "traction_power"))
-
-
-@member("codes")
-def quantisation(host: Host, rng: np.random.Generator) -> Effect:
-    """dB = q round(M / q) − M (IEEE Std 1241)."""
-    def act(sensor: int) -> Callable[[float], np.ndarray]:
-        m = host.readings[:, sensor]
-        return lambda q: q * np.round(m / q) - m
-    return in_sensor(host, rng, act, lambda q: {"width_nt": q})
-
-
-@member("codes", "field")
-def differential_nonlinearity(host: Host, rng: np.random.Generator) -> Effect:
-    """A bit of a converter with a wrong weight: so much more wherever it is set (IEEE Std 1241)."""
-    def act(sensor: int) -> Callable[[float], np.ndarray]:
-        m, period = host.readings[:, sensor], np.ptp(host.readings[:, sensor]) / rng.uniform(3, 8)
-        bit = (m / period % 1 > 0.5) - 0.5
-        return lambda size: size * bit
-    return in_sensor(host, rng, act)
-
-
-def shows(host: Host, added: np.ndarray) -> bool:
-    """Whether a fresh calibration leaves enough of it, and it is no more than there can be."""
-    if not np.isfinite(added).all() or np.abs(added).max() > MOST_NT:
-        return False
-    changes = added.std(axis=0).max()
-    return changes > 0 and host.size_nt(added) >= LEAST_LEFT * changes
-
-
-def sized(host: Host, effect: Effect, wanted_nt: float) -> float:
-    """The size of which so much is left."""
-    size = 1.0
-    for _ in range(60):
-        left = host.size_nt(effect.act(size))
-        if abs(left / wanted_nt - 1) < 0.01:
-            break
-        size *= min(max(wanted_nt / max(left, 1e-12), 0.1), 10) ** 0.7
-    return size
+    def passes(s: float) -> np.ndarray:
+        along, across = np.linalg.qr(np.outer(vector, [1, 0]) + [[0, 1], [0, 0], [0, turns]])[0].T
+        r = np.outer((host.time_s - at) / (2 * turns * step), along) + across
+        length = np.linalg.norm(r, axis=1)[:, None]
+        return s * (3 * (r @ vector)[:, None] * r / length**5 - vector / length**3)
+    late, follows, time, moments, field = "late_response", "follows_column", "time", "moments", {"field"}
+    both = lambda s: {"lag_s": s, "delay_s": s}  # noqa: E731
+    members = {
+        # Two equal poles of s in sum: Auster et al. 2008, Space Sci. Rev. 141, 235.
+        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, b, s / 2), s / 2) - b, both, ("delay",)),
+        # δ = B(t − s) − B(t): Primdahl 1979, J. Phys. E 12, 241; of all sensors: INTERMAGNET Technical Reference Manual.
+        "delay": Effect(late, field, lambda s: moved(s)[:, sensor], both, ("loop_bandwidth",)),
+        "clock_offset": Effect(late, field, lambda s: moved(sign * s), lambda s: {"offset_s": sign * s}),
+        # δ = B(t − r t) − B(t); r, s ppm, grows by a tenth as the quartz warms: Vig 1992, quartz frequency standards.
+        "clock_rate": Effect(late, field, lambda s: moved(1e-6 * s * t * (0.95 + 0.1 * t / span)), lambda s: {"rate_ppm": s}),
+        # δ = s C (B − L), τ dL/dt = B − L, the vertical most: Parkinson 1959, Geophys. J. 2, 1.
+        "induction_difference": Effect(late, {"pair"}, induced, lambda s: {"time_constant_s": 0.3 * tau}),
+        # δ = s exp(−t/τ), a tenth of it in a quicker body; s a day, slower by a tenth at the end; s from a moment on: Jankowski and
+        # Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice, as of steps, spikes and gaps below.
+        "warm_up": Effect(time, set(), lambda s: s * (0.9 * np.exp(-t / tau) + 0.1 * np.exp(-5 * t / tau)),
+                          lambda s: {"amplitude_nt": s, "time_constant_s": tau}),
+        "ageing": Effect(time, set(), lambda s: s / DAY_S * (t - 0.05 * t**2 / span), lambda s: {"rate_nt_per_day": s}),
+        "reading_step": Effect(time, set(), lambda s: s * (rows >= row), lambda s: {"height_nt": s, "time_s": at}),
+        # A field from 7 to 17 h, Monday to Friday, that comes and goes in half an hour: Lowes 2009, Earth Planets Space 61, i.
+        "working_hours": Effect(time, {"day"}, works),
+        # One reading jumps, and the next rings by a tenth; a channel holds its value for 20 s samples.
+        "spike": Effect(moments, set(), lambda s: s * ((rows == row) - 0.1 * (rows == row + 1)), lambda s: {"height_nt": s, "time_s": at}),
+        "dropout": Effect(moments, set(), lambda s: (m[row] - m) * ((rows >= row) & (rows < row + 20 * s)), lambda s: {"time_s": at}),
+        # A dipole p on a straight path, r the way to the sensor: 3 (p·r) r / r⁵ − p / r³: Jackson, Classical Electrodynamics.
+        "vehicle_pass": Effect(moments, {"quick"}, passes),
+        # One frequency of a machine near by; what it is an alias of is open.
+        "periodic_field": Effect("lines", set(), lambda s: s * np.outer(np.sin(2 * np.pi * t / (3 * turns * step)), vector),
+                                 lambda s: {"frequency_hz": 1 / (3 * turns * step)}, ("mains", "traction_power")),
+        # δ = s round(M / s) − M; a bit of a wrong weight, s more wherever it is set: IEEE Std 1241.
+        "quantisation": Effect("codes", set(), lambda s: s * np.round(m / s) - m, lambda s: {"width_nt": s}),
+        "differential_nonlinearity": Effect("codes", field, lambda s: s * (m * turns / np.ptp(m) % 1 > 0.5)),
+    }
+    # δ = s (T − T_ref), a little bent, or late by two bodies: NASA CR-156638, eq. 29; Primdahl 1979.
+    for name, column in (("offset_temperature", "sensor_temperature_c"), ("offset_electronics_temperature", "electronics_temperature_c")):
+        if column in host.has:
+            warm = host.series[column] - host.series[column].mean()
+            members[name] = Effect(follows, {column}, lambda s, x=warm: s * (x + 0.02 * x**2 / np.abs(x).max()),
+                                   lambda s: {"coefficient_nt_per_k": s})
+            members[f"{name}_lag"] = Effect(follows, {column}, lambda s, x=warm: s * two_bodies(x),
+                                            lambda s: {"coefficient_nt_per_k": s, "lag_s": tau})
+    return {name: one for name, one in members.items() if one.needs <= host.has}
 
 
 def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> Injection | None:
-    """An effect of so many times the scatter of the host; None where it does not show, or cannot be reached."""
-    along = np.abs(host.fields.mean(axis=0)) / np.linalg.norm(host.fields.mean(axis=0)) if host.kind == "scalar" else None
-    wanted_nt = strength * host.scatter_nt
+    """An effect of so many times the scatter of the host; None where it does not show there, or cannot be reached."""
+    wanted_nt, along = strength * host.scatter_nt, np.abs(host.fields.mean(axis=0))
     for _ in range(TRIES):
-        effect = MEMBERS[name].make(host, rng)
-        if along is not None and effect.sensor is not None and along[effect.sensor] < LEAST_ALONG:
-            continue
-        size = sized(host, effect, wanted_nt)
-        added = effect.act(size)
-        if abs(host.size_nt(added) / wanted_nt - 1) < CLOSE and shows(host, added):
-            return Injection(document(host, added), truth(host, name, effect, size, strength), host.document)
+        sensor = int(rng.integers(3))
+        effect, size = effects(host, sensor, rng)[name], 1.0
+        one = effect.act(size).ndim == 1
+
+        def added(size: float) -> np.ndarray:
+            return np.outer(effect.act(size), np.eye(3)[sensor]) if one else effect.act(size)
+        for _ in range(20):  # what is left need not be in proportion to the size
+            left_nt = host.size_nt(added(size))
+            if abs(left_nt / wanted_nt - 1) < 0.1 * CLOSE:
+                break
+            size *= np.clip(wanted_nt / max(left_nt, 1e-12), 0.01, 100)
+        nt = added(size)
+        left_nt = host.size_nt(nt)
+        sees = host.kind != "scalar" or not one or along[sensor] >= LEAST_ALONG * np.linalg.norm(along)
+        shows = left_nt >= LEAST_LEFT * nt.std(axis=0).max() and np.abs(nt).max() <= MOST_NT
+        if sees and shows and abs(left_nt / wanted_nt - 1) < CLOSE:
+            truth = {"host": host.name, "kind": host.kind, "family": effect.family, "member": name, "strength": strength,
+                     "left_nt": left_nt, "scatter_nt": host.scatter_nt, **right(host, name, effect, sensor if one else None, size)}
+            return Injection(document(host, nt), truth, host.document)
     return None
 
 
-def document(host: Host, added: np.ndarray) -> dict:
-    """The host's with something added to its readings; those that were read code by code are codes again, and what
-    nothing was added to stays as it was printed."""
-    code = host.code_nt or 1e-6
-    sums = np.where(added == 0, host.readings, np.round(np.round((host.readings + added) / code) * code, 9))
-    recording = host.document["recordings"][0]
-    columns = recording["columns"] | {f"{host.quantity}_{axis}_nt": sums[:, k].tolist() for k, axis in enumerate(AXES)}
-    return host.document | {"recordings": [recording | {"columns": columns}]}
-
-
-def truth(host: Host, name: str, effect: Effect, size: float, strength: float) -> dict:
-    """What is right. The length of a vector that points one way does not tell in which sensor something is: there the
+def right(host: Host, name: str, effect: Effect, sensor: int | None, size: float) -> dict:
+    """Sensors, names and parameters. The length of a vector that points one way does not tell in which sensor something is: there the
     name is right on any of them and without one, and parameters that grow with the size say nothing."""
-    names, own, twice = (name, *effect.also), effect.parameters(size), effect.parameters(2 * size)
-    if host.kind == "scalar":
-        accepted = [f"{one} {axis}".strip() for one in names for axis in ("", *AXES)]
-        own = {key: value for key, value in own.items() if value == twice[key]}
-    else:
-        accepted = [one if effect.sensor is None else f"{one} {AXES[effect.sensor]}" for one in names]
-    blind = host.kind == "scalar" or effect.sensor is None
-    return {"host": host.name, "kind": host.kind, "family": MEMBERS[name].family, "member": name,
-            "sensors": [] if blind else [AXES[effect.sensor]], "accepted": accepted,
-            "parameters": {key: float(value) for key, value in own.items()}, "strength": strength,
-            "left_nt": host.size_nt(effect.act(size)), "scatter_nt": host.scatter_nt}
+    blind, own, twice = host.kind == "scalar", effect.parameters(size), effect.parameters(2 * size)
+    sensors = [] if blind or sensor is None else [AXES[sensor]]
+    targets = ["", *AXES] if blind else sensors or [""]
+    return {"sensors": sensors, "accepted": [f"{one} {axis}".strip() for one in (name, *effect.also) for axis in targets],
+            "parameters": {key: float(value) for key, value in own.items() if not blind or value == twice[key]}}
+
+
+def document(host: Host, nt: np.ndarray) -> dict:
+    """The host's with something added to its readings; those that were read code by code are codes again, and what nothing was added to
+    stays as it was printed."""
+    code = host.code_nt or 1e-6
+    sums = np.where(nt == 0, host.readings, np.round(np.round((host.readings + nt) / code) * code, 9))
+    recording = host.document["recordings"][0]
+    columns = {f"{host.instrument}_{axis}_nt": column.tolist() for axis, column in zip(AXES, sums.T)}
+    return host.document | {"recordings": [recording | {"columns": recording["columns"] | columns}]}
+
+
+def suits(host: Host) -> list[str]:
+    """The members of which a host has the inputs."""
+    return list(effects(host, 0, np.random.default_rng(0)))
 
 
 def injections(hosts: list[Host], seed: int, number: int) -> list[Injection]:
-    """Hosts by turns, each with its members in a drawn order, strengths by turns; rounds until there are enough, or
-    until a whole round adds none."""
-    found, rounds, added = [], 0, True
-    while len(found) < number and added:
-        orders = [np.random.default_rng([seed, rounds, k]) for k in range(len(hosts))]
-        queues = [[str(name) for name in rng.permutation(host.suits)] for host, rng in zip(hosts, orders)]
-        added = False
-        for turn in range(max(map(len, queues))):
-            for k, (host, rng, queue) in enumerate(zip(hosts, orders, queues)):
-                if turn < len(queue) and len(found) < number:
-                    one = inject(host, queue[turn], STRENGTHS[(turn + k + rounds) % len(STRENGTHS)], rng)
-                    found += [one] if one else []
-                    added |= one is not None
-        rounds += 1
+    """So many, if the hosts carry them: hosts by turns, each with its members in a drawn order, strengths by turns."""
+    found, members = [], [suits(host) for host in hosts]
+    for turn in range(number):
+        for k, host in enumerate(hosts):
+            around, place = divmod(turn, len(members[k]))
+            name = np.random.default_rng([seed, k, around]).permutation(members[k])[place]
+            one = inject(host, str(name), STRENGTHS[(turn + k + around) % len(STRENGTHS)], np.random.default_rng([seed, k, around, place]))
+            found += [one] if one else []
+            if len(found) == number:
+                return found
     return found

@@ -1,156 +1,125 @@
 """Sets of pairs of vector magnetometers."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from . import by_hand
-from .page import Page, each, three, verdict
-from .pair import DAY_S, clock_in_words, differences, drift, findings, fit, found, matrix_table, study
-from .programs import Programs, Refused
-from .series import AXES, Series, rms, scatter
+from .page import Page, each, effects, three, verdict
+from .pair import DAY_S, Matrix, Part, predict, study
+from .programs import Programs
+from .series import AXES, Series, rms
 
 PRINTED_NT = 0.0041  # standard uncertainty of the difference of two readings that are each printed to 0.01 nT
 SURE = 5  # standard uncertainties beyond which a parameter is one
 WILD_NT = 200_000.0  # faults of the balloon's logger: steel on the ground made 89 µT of the Earth's 53 µT
 
 
-def parts(reference: Series, test: Series, at_s: float) -> list[tuple[Series, Series]]:
+def read_conrad(programs: Programs) -> Part:
+    reference, test = (programs.ingest(f"wic-conrad-2022-08/{name}_2022-08-10_1s.csv") for name in ("fge_s0252", "lemi036_xyz"))
+    return reference.only("sensor", "reference"), test.only("sensor", "test")
+
+
+def read_cobenzl(programs: Programs) -> Part:
+    didd = programs.ingest(*programs.files("wik-cobenzl-2011-09a/didd", ".WIK"), mapping="ingest/real/didd")
+    lemi = programs.ingest(*programs.files("wik-cobenzl-2011-09a/lemi025", ".min"))
+    return didd.only("sensor", "reference"), lemi.only("sensor", "test")
+
+
+def read_boulder(programs: Programs) -> Series:
+    """A month as read and as published."""
+    raw, adjusted = (programs.ingest(f"usgs-bou-2016-01/BOU201601{name}.min") for name in ("vmin", "adj"))
+    return raw.only("sensor", "reference").joined(adjusted.only("sensor", "test")).complete()
+
+
+def read_meson_hall(programs: Programs) -> Series:
+    return programs.ingest("tucan-fluxgates-2019-08-09-quiet/online_data.csv", mapping="real/meson-hall-pair", sort=True)
+
+
+def at(part: Part, at_s: float) -> tuple[Part, Part]:
     """Two instruments before and after a moment of the reference's clock."""
-    return list(zip(reference.split(at_s), test.on_clock(reference.start_s).split(at_s)))
+    return tuple(zip(part[0].split(at_s), part[1].on_clock(part[0].start_s).split(at_s)))
 
 
-def both(series: Series) -> tuple[Series, Series]:
-    return series.only("reference"), series.only("test")
+def both(series: Series, reference: str = "reference", test: str = "test") -> Part:
+    return series.only(reference, "reference"), series.only(test, "test")
+
+
+def knows(page: Page, found: Matrix, words: str, of: str = "") -> None:
+    """Whether diffmag has a finding with some words."""
+    told = found.findings(words)
+    page.known.append((of + (f"“{told[0]}”" if told else "nothing of it"), bool(told)))
 
 
 def conrad(programs: Programs, page: Page) -> None:
-    """Sixteen hours fitted, eight held out."""
-    reference, test = (programs.ingest(f"wic-conrad-2022-08/{name}.csv").renamed("sensor", role) for name, role in
-                       [("fge_s0252_2022-08-10_1s", "reference"), ("lemi036_xyz_2022-08-10_1s", "test")])
-    page.about()
-    document = study(programs, page, *parts(reference, test, 2 / 3 * DAY_S), ("0 to 16 h", "16 to 24 h"),
-                     correct_clock=True, plot="real-conrad.svg")
-    if document:
-        unlike = findings(document, "the responses of the instruments differ")
-        page.knows("notes of Conrad", "the LEMI passes 0.3 Hz at most, the FGE 1 Hz", "diffmag",
-                   f"“{unlike[0]}”" if unlike else "nothing of it", bool(unlike))
+    found = study(programs, page, at(read_conrad(programs), 2 / 3 * DAY_S), clock=True)
+    knows(page, found, "the responses of the instruments differ")
 
 
 def cobenzl(programs: Programs, page: Page) -> None:
-    """Eight days fitted, four held out, with the storm of the 9th and 10th among them."""
-    folder = "wik-cobenzl-2011-09a"
-    didd = programs.ingest(*programs.files(f"{folder}/didd", ".WIK"), mapping="ingest/real/didd")
-    lemi = programs.ingest(*programs.files(f"{folder}/lemi025", ".min"))
-    reference, test = didd.only("sensor").renamed("sensor", "reference"), lemi.only("sensor").renamed("sensor", "test")
-    page.about()
-    document = study(programs, page, *parts(reference, test, 8 * DAY_S),
-                     ("1 to 8 September", "9 to 12 September"), correct_clock=True, plot="real-cobenzl.svg")
-    if document:
-        clock = fit(document)["clock"]
-        page.knows("notes of Cobenzl",
-                   "the LEMI stamps the minutes of 15 to 105 s, whose middle is 60 s, at 47 s: 13 s early", "diffmag",
-                   f"the test instrument's timestamps are {clock_in_words(clock)}",
-                   -clock["offset_s"]["value"] > SURE * clock["offset_s"]["std"])
+    found = study(programs, page, at(read_cobenzl(programs), 8 * DAY_S), clock=True)
+    early = found.fit["clock"]["offset_s"]
+    page.known.append((f"the test instrument's timestamps are {found.clock_in_words()}", -early["value"] > SURE * early["std"]))
 
 
 def meson_hall(programs: Programs, page: Page) -> None:
-    """Two thirds of the longest stretch without a gap of 30 s fitted."""
-    whole = programs.ingest("tucan-fluxgates-2019-08-09-quiet/online_data.csv", mapping="real/meson-hall-pair",
-                            sort=True)
-    stretches = np.split(np.arange(len(whole)), np.flatnonzero(np.diff(whole.time_s) > 30) + 1)
-    fitted, held_out = whole.rows(np.isin(np.arange(len(whole)), max(stretches, key=len))).split_share(2 / 3)
-    page.about()
-    document = study(programs, page, both(fitted), both(held_out), ("the first two thirds", "the last third"))
-    recordings = [series.recording(id, "differential") for series, id in zip(both(whole), ("reference", "test"))]
-    moves = findings(programs.ask("diffmag", [], recordings), "the matrix is not constant")
-    page.knows("notes of the Meson Hall",
-               "the fluxgates are metres apart in a strong gradient: no common field, no one matrix", "diffmag",
-               "of the whole run: " + (f"“{moves[0]}”" if moves else "nothing of it"), bool(moves))
-    if document:
-        lengths = np.linalg.norm(found(document)[0], axis=0)
-        page.head(f"A test axis is {each(lengths)} (x; y; z) of the reference's field, where instruments in one "
-                  "field have 1: no calibration.")
+    """Of the longest stretch without a gap of 30 s."""
+    whole = read_meson_hall(programs)
+    stretch = np.append(0, np.cumsum(np.diff(whole.time_s) > 30))
+    parts = whole.rows(stretch == np.bincount(stretch).argmax()).split(share=2 / 3)
+    found = study(programs, page, tuple(map(both, parts)))
+    recordings = [series.recording(role, "differential") for series, role in zip(both(whole), ("reference", "test"))]
+    of_whole = Matrix.found(programs.ask("diffmag", [], *recordings), whole.time_s)
+    knows(page, of_whole, "the matrix is not constant", "of the whole run: ")
+    page.head("shares", shares=each(np.linalg.norm(found.eta, axis=0)))
 
 
 def quadrotor(programs: Programs, page: Page) -> None:
-    """The first half fitted."""
+    """The file's reference is the test instrument here."""
     series = programs.ingest("mxl-quadrotor-2021-04-23/test1_esti.csv", mapping="ingest/real/quadrotor")
-    repeated = np.all(np.diff(series.vectors("reference"), axis=0) == 0, axis=1).sum()
-    fitted, held_out = ((part.only("test").renamed("test", "reference"),
-                         part.only("reference").renamed("reference", "test")) for part in series.split_share(0.5))
-    page.about(repeated=repeated, rows=len(series))
-    study(programs, page, fitted, held_out, ("the first half", "the second half"), correct_clock=True,
-          why=page.words["why"])
+    repeated = (np.diff(series.vectors("reference"), axis=0) == 0).all(axis=1).sum()
+    page.about = {"repeated": repeated, "rows": len(series)}
+    study(programs, page, tuple(both(part, "test", "reference") for part in series.split(share=0.5)), clock=True)
 
 
 def balloon(programs: Programs, page: Page) -> None:
     """Fitted on the way into the cold, held against the way back, by four explanations; then diagnose."""
-    flight = programs.ingest("mxl-balloon-2025-02-22a/flight_part1.csv", mapping="real/balloon-pair")
-    wild = np.linalg.norm(flight.vectors("reference"), axis=1) > WILD_NT
-    # Free flight: from the launch to the release.
-    means = flight.rows(~wild).between(3300, 6900).means(4)
-    temperature = means["sensor_temperature_c"]
-    fitted, held_out = means.split(means.time_s[temperature.argmin()] - 300)
-    page.about(wild=wild.sum(), first=three(temperature[0]), least=three(temperature.min()),
-               last=three(temperature[-1]))
-    page.head("Held out, rms of x; y; z in nT:")
+    whole = programs.ingest("mxl-balloon-2025-02-22a/flight_part1.csv", mapping="real/balloon-pair")
+    wild = np.linalg.norm(whole.vectors("reference"), axis=1) > WILD_NT
+    flight = whole.rows(~wild).between(3300, 6900).means(4)  # free flight: from the launch to the release
+    warmth = flight[by_hand.TEMPERATURE]
+    fitted, held_out = parts = flight.split(flight.time_s[warmth.argmin()] - 300)
+    page.about = {"wild": wild.sum(), "first": three(warmth[0]), "least": three(warmth.min()), "last": three(warmth[-1])}
     explanations = {
-        "the matrix alone": lambda s: [],
-        "with a line in the temperature": lambda s: [s["sensor_temperature_c"]],
-        "with a line in the time": lambda s: [s.time_s / 3600],
-        "with a parabola in the time": lambda s: [s.time_s / 3600, (s.time_s / 3600) ** 2],
-    }
-    rows, slopes = [], ""
+        "the matrix alone": lambda s: [], "with a line in the temperature": lambda s: [s[by_hand.TEMPERATURE]],
+        "with a line in the time": lambda s: [s.time_s / 3600], "with a parabola in the time": lambda s: [s.time_s / 3600, s.time_s**2]}
+    rows, slopes = [], {}
     for what, further in explanations.items():
-        columns = [[np.ones(len(s)), *s.vectors("reference").T, *further(s)] for s in (fitted, held_out)]
-        constants = by_hand.least_squares(columns[0], fitted.vectors("test"))
-        left = [each(rms(part.vectors("test") - np.column_stack(c) @ constants))
-                for part, c in zip((fitted, held_out), columns)]
-        rows.append([what, *left])
-        page.head(f"{what} {left[1]};")
-        if what.endswith("temperature"):
-            slopes = each(constants[-1])
+        def columns(series: Series) -> list[np.ndarray]:
+            return by_hand.ones_and("reference")(series) + further(series)
+        rows.append([what, *(each(rms(by_hand.left(columns, by_hand.test, fitted, part))) for part in parts)])
+        slopes[what] = each(by_hand.least_squares(columns(fitted), by_hand.test(fitted))[-1])
+    page.headline += ["Held out, rms of x; y; z in nT:", *(f"{what} {nt};" for what, _, nt in rows)]
     page.say("By least squares of this page's own, rms of x; y; z in nT:")
     page.table(["explanation", "cooling (fitted)", "coldest and warming (held out)"], rows)
-    page.say(page.words["slopes"].format(slopes=slopes))
-    programs_nt = None
-    try:
-        document = programs.ask("diffmag", [], [fitted.recording("flight", "differential")])
-        left = differences(held_out, *found(document)) - drift(document, fitted.time_s)(held_out)
-        programs_nt = list(scatter(left))
-        page.say(f"`diffmag`, fitted to the same part, answers: {fit(document).get('answer', 'nothing')}.")
-    except Refused as words:
-        page.refused("diffmag", words)
-    ways, left = by_hand.best(lambda _: fitted, lambda _: held_out, clock=False)
-    page.predicts([f"{axis}: {way}" for axis, way in zip(AXES, ways)], left, programs_nt)
-    document = programs.ask("diagnose", [], [means.recording("flight", "differential")])
-    warm = [effect["parameters"] for effect in document["diagnosis"][0]["effects"]
-            if "temperature_c" in effect.get("column", "")]
-    slopes = [one.get(f"{axis}_nt_per_k", {}) for one in warm[:1] for axis in AXES]
-    axes = sum(abs(slope.get("value", 0)) > SURE * slope.get("std", np.inf) for slope in slopes)
-    page.knows("the balloon's way back, by least squares",
-               "the two go apart with the temperature of the die, and not with time", "diagnose",
-               f"the readings follow the temperature in {axes} of three axes", axes == 3)
-    page.head(f"`diagnose` {verdict(document)}.")
+    page.tell("slopes", slopes=slopes["with a line in the temperature"])
+    found = Matrix.found(programs.ask("diffmag", [], fitted.recording("flight", "differential")), fitted.time_s)
+    page.say(f"`diffmag`, fitted to the same part, answers: {found.fit['answer']}.")
+    predict(page, by_hand.best_of_pair(lambda _: fitted, lambda _: held_out), found.left(held_out))
+    document = programs.ask("diagnose", [], flight.recording("flight", "differential"))
+    warm = next((effect["parameters"] for effect in effects(document) if "temperature_c" in effect.get("column", "")), {})
+    slope = [warm.get(f"{axis}_nt_per_k", {"value": 0, "std": 1}) for axis in AXES]
+    axes = sum(abs(one["value"]) > SURE * one["std"] for one in slope)
+    page.known.append((f"the readings follow the temperature in {axes} of three axes", axes == 3))
+    page.headline.append(f"`diagnose` {verdict(document)}.")
     page.diagnosis(document)
 
 
 def boulder(programs: Programs, page: Page) -> None:
-    """Between raw and adjusted minutes is one matrix, which diffmag must give back; the first half fitted."""
-    raw, adjusted = (programs.ingest(f"usgs-bou-2016-01/BOU201601{name}.min").only("sensor").renamed("sensor", role)
-                     for name, role in [("vmin", "reference"), ("adj", "test")])
-    fitted, held_out = raw.joined(adjusted).complete().split_share(0.5)
-    page.about()
-    document = programs.ask("diffmag", [], [fitted.recording("adjusted", "differential")])
-    left = [differences(part, *found(document)) for part in (fitted, held_out)]
-    told = ["; ".join(f"{nt:.4f}" for nt in rms(one)) for one in left]
-    ways, by_hand_left = by_hand.best(lambda _: fitted, lambda _: held_out, clock=False)
-    page.predicts(ways, by_hand_left, list(scatter(left[1])))
-    page.knows("the survey's notes", "adjusted data are raw data times one matrix, rounded to 0.01 nT", "diffmag",
-               f"a matrix that leaves {told[1]} nT where it was not fitted",
-               bool((rms(left[1]) < 1.1 * PRINTED_NT).all()))
-    matrix_table(page, document, "adjusted", ("from H", "E", "Z"), offsets=False)
-    page.head(f"The survey's matrix comes back; what was held out is met to {told[1]} nT, the rounding.")
-    page.say(f"Left (rms of x; y; z): {told[0]} nT in the first half, {told[1]} nT in the second, which was held "
-             f"out; two roundings make {PRINTED_NT}.")
+    """Between raw and adjusted minutes is one matrix, which diffmag must give back."""
+    fitted, held_out = parts = read_boulder(programs).split(share=0.5)
+    found = Matrix.found(programs.ask("diffmag", [], fitted.recording("adjusted", "differential")), fitted.time_s)
+    left = [found.apart(part) for part in parts]
+    told = [each(rms(one), "{:.4f}".format) for one in left]
+    predict(page, by_hand.best_of_pair(lambda _: fitted, lambda _: held_out), left[1])
+    page.known.append((f"a matrix that leaves {told[1]} nT where it was not fitted", bool((rms(left[1]) < 1.1 * PRINTED_NT).all())))
+    page.table(["", "from H", "E", "Z"], found.elements("adjusted"))
+    page.head("comes_back", held_out=told[1])
+    page.tell("rounding", fitted=told[0], held_out=told[1], printed=PRINTED_NT)

@@ -1,7 +1,4 @@
-"""The programs as they are shipped, each run by itself on documents in a temporary folder."""
-
-from __future__ import annotations
-
+"""The programs as they are shipped, each run by itself."""
 import json
 import os
 import subprocess
@@ -16,6 +13,10 @@ FIXTURES = Path(__file__).parents[3] / "fixtures"
 class Refused(Exception):
     """A program refuses, in its own words."""
 
+    def __init__(self, program: str, words: str) -> None:
+        super().__init__(words)
+        self.program = program
+
 
 class Programs:
     """Programs in one folder, recordings in another."""
@@ -24,38 +25,31 @@ class Programs:
         self.folder, self.data = Path(programs), Path(data)
 
     def files(self, folder: str, end: str) -> list[str]:
-        """Files of a folder of the recordings by name, below the data."""
-        return sorted(f"{folder}/{path.name}" for path in (self.data / folder).iterdir()
-                      if path.name.endswith(end))
+        """Files of a folder of the recordings, by name."""
+        return sorted(str(path.relative_to(self.data)) for path in (self.data / folder).glob(f"*{end}"))
 
-    def ingest(self, *names: str, mapping: str | None = None, sort: bool = False) -> Series:
+    def ingest(self, *names: str, mapping: str = "", sort: bool = False) -> Series:
         """Files of one series; `mapping` is a file below fixtures."""
-        arguments = ["--inline"] + ["--sort"] * sort
-        if mapping:
-            arguments += ["--map", str(FIXTURES / f"{mapping}.json")]
-        return Series.of(self._run("ingest", arguments, *(str(self.data / name) for name in names)))
+        mapped = ["--map", str(FIXTURES / f"{mapping}.json")] if mapping else []
+        files = [str(self.data / name) for name in names]
+        return Series.of(self._run("ingest", [*["--sort"] * sort, *mapped, "--inline"], *files))
 
-    def ask(self, program: str, arguments: list[str], recordings: list[dict], given: dict | None = None,
-            against: list[dict] | None = None) -> dict:
-        """What a program answers to a document of these recordings, with calibration and instrument as given;
-        with `against`, held against the readings of another document."""
+    def ask(self, program: str, arguments: list[str], *recordings: dict, given: dict | None = None,
+            against: dict | None = None) -> dict:
+        """The answer to a document of recordings, with calibration and instrument as given; with `against`, held against
+        the readings of another recording."""
         with tempfile.TemporaryDirectory() as folder:
-            def write(name: str, content: dict) -> str:
-                path = Path(folder, name)
-                path.write_text(json.dumps({"fluxcal": 1, **content}))
-                return str(path)
-            document = write("document.json", {"recordings": recordings, **(given or {})})
-            if against is not None:
-                arguments = [*arguments, "--against", write("simulated.json", {"recordings": against})]
-            return self._run(program, arguments, document)
+            def write(name: str, **content: object) -> str:
+                Path(folder, name).write_text(json.dumps({"fluxcal": 1, **content}))
+                return f"{folder}/{name}"
+            against_it = ["--against", write("simulated.json", recordings=[against])] if against else []
+            return self._run(program, arguments + against_it, write("document.json", recordings=recordings, **given or {}))
 
     def _run(self, program: str, arguments: list[str], *files: str) -> dict:
         # One thread: the answer does not depend on the number.
-        run = subprocess.run([self.folder / program, *arguments, "-q", *files], capture_output=True, text=True,
-                             env=os.environ | {"RAYON_NUM_THREADS": "1"}, check=False)
+        run = subprocess.run([self.folder / program, *arguments, "-q", *files], capture_output=True, text=True, check=False,
+                             env=os.environ | {"RAYON_NUM_THREADS": "1"})
         if run.returncode == 0:
             return json.loads(run.stdout)
-        words = run.stderr.strip().removeprefix(f"{program}: ")
-        for file in files:
-            words = words.replace(f"{file}, ", "").replace(file, Path(file).name)
-        raise Refused(words.replace("document.json", "the document"))
+        words = run.stderr.strip().removeprefix(f"{program}: ").replace(f"{Path(files[0]).parent}/", "")
+        raise Refused(program, words.replace("document.json, ", "").replace("document.json", "the document"))
