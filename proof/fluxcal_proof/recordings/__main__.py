@@ -1,13 +1,11 @@
 """Writes the page on real recordings, with its pictures beside it."""
 import argparse
-import tomllib
 from pathlib import Path
 
 from . import alone, pairs, scalars, turned
-from .page import Page, table
+from .page import WORDS, Page
 from .programs import Programs, Refused
 
-WORDS = tomllib.loads(Path(__file__).with_name("sets.toml").read_text())
 # All sets, in the order of the page; what is said of them is in sets.toml.
 SETS = {
     "conrad-pair": pairs.conrad, "cobenzl-pair": pairs.cobenzl, "meson-hall": pairs.meson_hall, "quadrotor": pairs.quadrotor,
@@ -41,30 +39,34 @@ def run(programs: Programs, name: str) -> Page:
 
 def whole(pages: list[Page]) -> str:
     """The page of all sets."""
+    words, top = WORDS["page"], Page({})
     predictions = [(page.words["title"], one) for page in pages for one in page.predictions]
     known = sorted(((page.words["known"], *one) for page in pages for one in page.known), key=lambda one: one[2])
-    words, holds = WORDS["page"], sum(one.holds for _, one in predictions)
-    return "\n".join([
-        words["head"], table(["question", "result"], [[page.words["title"], " ".join(page.headline)] for page in pages]),
-        words["by_hand"], f"The programs are within 5 % of it, or better, in {holds} of {len(predictions)} predictions.\n",
-        table(["held out", "best by hand", "by hand, nT", "programs, nT", "ratio", "within 5 %"], [one.row(title) for title, one in predictions]),
-        words["known_from_source"], table(["known from", "what", "a stage that was not told", "found"], [
-            [source, what, f"`{program}`: {answer}", "yes" if found else "**no**"] for (source, what, program), answer, found in known]),
-        *("\n".join([f"## {page.words['title']}\n", *page.text]) for page in pages)])
+    top.say(words["head"])
+    top.table(["question", "result"], [[page.words["title"], " ".join(page.headline)] for page in pages])
+    top.say(words["by_hand"].format(holds=sum(one.holds for _, one in predictions), all=len(predictions)))
+    top.table(["held out", "best by hand", "by hand, nT", "programs, nT", "ratio", "within 5 %"], [one.row(title) for title, one in predictions])
+    top.say(words["known_from_source"])
+    top.table(["known from", "what", "a stage that was not told", "found"], [
+        [source, what, f"`{program}`: {answer}", "yes" if found else "**no**"] for (source, what, program), answer, found in known])
+    for page in pages:
+        top.say(f"## {page.words['title']}")
+        top.text += page.text
+    return "\n".join(top.text)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="fluxcal_proof.recordings", description=__doc__)
-    parser.add_argument("names", nargs="*", metavar="NAME", help=f"sets; absent: all of {', '.join(SETS)}")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(SETS)}; absent: all")
     parser.add_argument("--programs", type=Path, default=Path("target/release"), help="the programs' folder")
     parser.add_argument("--data", type=Path, default=Path("../shared/data"), help="the folder of the recordings")
     parser.add_argument("-o", "--output", type=Path, default=Path("docs/proof/real.md"))
     arguments = parser.parse_args()
-    if unknown := set(arguments.names) - set(SETS):
-        parser.error(f"no set {', '.join(sorted(unknown))}; expected of {', '.join(SETS)}")
+    if not set(arguments.names) <= set(SETS):
+        parser.error(f"no such set; expected of {', '.join(SETS)}")
     pages = [run(Programs(arguments.programs, arguments.data), name) for name in arguments.names or SETS]
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
-    arguments.output.write_text(whole(pages).rstrip() + "\n")
+    arguments.output.write_text(whole(pages))
     for name, svg in (plot for page in pages for plot in page.plots.items()):
         arguments.output.with_name(name).write_text(svg)
 

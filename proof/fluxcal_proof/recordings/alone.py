@@ -109,8 +109,7 @@ def gradiometer(programs: Programs, page: Page) -> None:
         told.append(verdict(document))
         page.headline.append(f"{what}: {told[-1]}.")
         page.diagnosis(document)
-    found = told[0] == "agrees" and told[1] != "agrees"
-    page.known.append((f"{told[1]} with the foil, {told[0]} of the empty holder", found))
+    page.known.append((f"{told[1]} with the foil, {told[0]} of the empty holder", told[0] == "agrees" != told[1]))
 
 
 def figures(text: str) -> dict[str, float]:

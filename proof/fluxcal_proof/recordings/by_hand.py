@@ -25,57 +25,47 @@ def left(columns: Columns, y: Callable[[Series], np.ndarray], fitted: Series, pa
     return None if found is None else y(part) - np.column_stack(columns(part)) @ found
 
 
-def ones_and(instrument: str) -> Columns:
-    return lambda series: [np.ones(len(series)), *series.vectors(instrument).T]
+def affine(instrument: str, *further: Callable[[Series], np.ndarray]) -> Columns:
+    """An offset, three readings, and further columns."""
+    return lambda series: [np.ones(len(series)), *series.vectors(instrument).T, *(column(series) for column in further)]
 
 
 def test(series: Series) -> np.ndarray:
     return series.vectors("test")
 
 
-def lag(fitted: SideBySide) -> float:
-    """The lag, s, of least scatter of what a 3×3 matrix with an offset leaves, each axis over its scatter without a lag:
-    within three steps, to a twentieth of a step."""
-    time = fitted(0.0).time_s
-    step_s = np.ptp(time) / (len(time) - 1)
+def scatter_of(one: np.ndarray | None) -> np.ndarray:
+    return np.full(3, np.inf) if one is None else scatter(one)
 
-    def scatter_of(steps: float) -> np.ndarray:
-        series = fitted(steps * step_s)
-        one = left(ones_and("reference"), test, series, series)
-        return np.full(3, np.inf) if one is None else scatter(one)
-    without = scatter_of(0.0)
-    if not np.isfinite(without).all():
-        return 0.0
-    steps = np.zeros(1)
+
+def lag(fitted: SideBySide) -> float:
+    """The lag, s, of least scatter of what a 3×3 matrix with an offset leaves, each axis over its scatter without a lag: within three
+    steps, to a twentieth of a step."""
+    def by(late_s: float) -> np.ndarray:
+        series = fitted(late_s)
+        return scatter_of(left(affine("reference"), test, series, series))
+    time, without, late_s = fitted(0.0).time_s, by(0.0), 0.0
+    step_s = np.ptp(time) / (len(time) - 1) if np.isfinite(without).all() else 0.0
     for places in (0.5 * np.arange(-6, 7), 0.05 * np.arange(-10, 11)):
-        steps = steps + places
-        steps = steps[np.argmin([np.sum(scatter_of(one) / without) for one in steps])]
-    return steps * step_s
+        late_s = min(late_s + step_s * places, key=lambda late: np.sum(by(late) / without))
+    return late_s
 
 
 def best_of_pair(fitted: SideBySide, held_out: SideBySide, late_s: float = 0.0) -> tuple[list[str], list[np.ndarray]]:
-    """Of each axis the way that is fitted to the first two thirds of the fitted part and predicts its last third best: in
-    words, and what it leaves of the part held out, nT, fitted to the whole fitted part."""
+    """Of each axis the way that is fitted to the first two thirds of the fitted part and predicts its last third best: in words, and what
+    it leaves of the part held out, nT, fitted to the whole fitted part."""
     further = {"straight drift": lambda series: series.time_s / 3600}
     if TEMPERATURE in fitted(0.0).frame:
         further["line in the temperature"] = lambda series: series[TEMPERATURE]
-
-    def difference(series: Series) -> np.ndarray:
-        return test(series) - series.vectors("reference")
-    ways = [("levels alone", 0.0, lambda series: [np.ones(len(series))], difference)]
-    for number in range(len(further) + 1):
-        for names in combinations(further, number):
-            def columns(series: Series, names: tuple[str, ...] = names) -> list[np.ndarray]:
-                return ones_and("reference")(series) + [further[name](series) for name in names]
-            words = ", ".join(["3×3 and offset", *names])
-            ways.append((words, 0.0, columns, test))
-            if late_s:
-                ways.append((f"{words}, clock {abs(late_s):.3f} s {'early' if late_s < 0 else 'late'}", late_s, columns, test))
+    clock = f", clock {abs(late_s):.3f} s {'early' if late_s < 0 else 'late'}"
+    ways = [("levels alone", 0.0, lambda series: [np.ones(len(series))], lambda series: test(series) - series.vectors("reference"))]
+    for names in (names for number in range(len(further) + 1) for names in combinations(further, number)):
+        words, columns = ", ".join(["3×3 and offset", *names]), affine("reference", *(further[name] for name in names))
+        ways += [(words, 0.0, columns, test), (words + clock, late_s, columns, test)][:2 if late_s else 1]
     tried, predicted = [], []
     for _, late, columns, y in ways:
         whole = fitted(late)
-        one = left(columns, y, *whole.split(share=2 / 3))
-        tried.append(np.full(3, np.inf) if one is None else scatter(one))
+        tried.append(scatter_of(left(columns, y, *whole.split(share=2 / 3))))
         predicted.append(left(columns, y, whole, held_out(late)))
     chosen = np.argmin(tried, axis=0)
     return [ways[k][0] for k in chosen], [predicted[k][:, axis] for axis, k in enumerate(chosen)]
@@ -87,9 +77,9 @@ def mismatch(series: Series, offset_nt: np.ndarray | float, instrument: str = "s
 
 
 def plane(fitted: Series, part: Series, offset_nt: np.ndarray) -> np.ndarray | None:
-    """What a level and slopes along the three readings leave of the mismatch: all that nine constants do to |B|, to first
-    order, where the field points one way."""
-    return left(ones_and("sensor"), lambda series: mismatch(series, offset_nt), fitted, part)
+    """What a level and slopes along the three readings leave of the mismatch: all that nine constants do to |B|, to first order, where
+    the field points one way."""
+    return left(affine("sensor"), lambda series: mismatch(series, offset_nt), fitted, part)
 
 
 # Which of the coefficients of xx, yy, zz, xy, xz, yz, x, y, z are alike; those that are zero are left out.
@@ -103,17 +93,15 @@ SHAPES = {
 def magnitudes(shape: str, fitted: Series, part: Series, offset_nt: np.ndarray) -> np.ndarray | None:
     """Magnitudes of a part over that of the field, by an ellipsoid fitted to another part; None where it is none.
 
-    (v + o)ᵀ Q (v + o) = F² is solved as vᵀ Q' v + 2 b'ᵀ v = 1; a magnitude is √(vᵀ Q' v + 2 b'ᵀ v + c) / √(1 + c) with
-    c = b'ᵀ Q'⁻¹ b'."""
+    (v + o)ᵀ Q (v + o) = F² is solved as vᵀ Q' v + 2 b'ᵀ v = 1; a magnitude is √(vᵀ Q' v + 2 b'ᵀ v + c) / √(1 + c) with c = b'ᵀ Q'⁻¹ b'."""
     size = np.linalg.norm(fitted.vectors("sensor") + offset_nt, axis=1).max()
 
     def terms(series: Series) -> np.ndarray:
         x, y, z = ((series.vectors("sensor") + offset_nt) / size).T
         return np.array([x * x, y * y, z * z, 2 * x * y, 2 * x * z, 2 * y * z, 2 * x, 2 * y, 2 * z])
-    solved = least_squares([terms(fitted)[group].sum(axis=0) for group in SHAPES[shape]], np.ones(len(fitted)))
+    found, solved = np.zeros(9), least_squares([terms(fitted)[group].sum(axis=0) for group in SHAPES[shape]], np.ones(len(fitted)))
     if solved is None:
         return None
-    found = np.zeros(9)
     for group, value in zip(SHAPES[shape], solved):
         found[group] = value
     form = found[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]]

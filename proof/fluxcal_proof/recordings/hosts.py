@@ -8,12 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from . import alone, pairs, scalars
-from .__main__ import WORDS
-from .by_hand import least_squares, left, ones_and, test
-from .pair import DAY_S
+from .by_hand import least_squares, left, affine, test
+from .page import WORDS
 from .programs import Programs
 from .scalars import CONRAD_NT, NONE, VERNADSKY_NT
-from .series import AXES, Series, rms
+from .series import AXES, DAY_S, Series, rms
 
 COBENZL_EARLY_S = 18.38  # what the LEMI stamps its minutes too early by: diffmag --correct-clock over twelve days
 MOVES_K, QUICK_S, DAY_AND_NIGHT_S = 0.1, 10, 85_000  # a temperature that moves; a vehicle that passes in a minute is more than one reading
@@ -36,7 +35,7 @@ class Host:
         self.fields = field + offset_nt * (self.kind == "scalar")
         calibration = {"sensors": {axis: {"offset_nt": nt} for axis, nt in zip(AXES, offset_nt)}}
         if self.kind == "pair":
-            d_nt, *eta = least_squares(ones_and("reference")(series), self.readings)
+            d_nt, *eta = least_squares(affine("reference")(series), self.readings)
             self.fields, procedure = field @ np.array(eta), "differential"
             calibration = {"differential": {"matrix": np.array(eta).tolist(), "offset_nt": dict(zip(AXES, d_nt))}}
         elif self.kind == "ambient":
@@ -84,13 +83,13 @@ def conrad_pair(p: Programs) -> Series:
 def conrad_vectors(p: Programs) -> Series:
     """The test instrument of the pair in the field that the other one tells it has, by least squares."""
     pair = conrad_pair(p).means(60)
-    ambient = pair.vectors("test") - left(ones_and("reference"), test, pair, pair)
+    ambient = pair.vectors("test") - left(affine("reference"), test, pair, pair)
     return pair.only("test", "sensor").assign(**{f"ambient_{axis}_nt": column for axis, column in zip(AXES, ambient.T)})
 
 
 def cobenzl_night(p: Programs) -> Series:
     reference, test = pairs.read_cobenzl(p)
-    test = test.on_clock(reference.start_s).at(reference.time_s - COBENZL_EARLY_S).assign(time_s=reference.time_s)
+    test = test.at(reference.time_s - COBENZL_EARLY_S).assign(time_s=reference.time_s)
     return between(reference.joined(test).complete(), DAY_S - 2 * 3600, DAY_S + 7.5 * 3600)
 
 

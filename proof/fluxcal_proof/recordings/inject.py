@@ -10,8 +10,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from .hosts import Host
-from .pair import DAY_S
-from .series import AXES, relaxed
+from .series import AXES, DAY_S, relaxed
 
 STRENGTHS = (3.0, 1.0, 10.0, 0.3)  # times the scatter of the host
 CLOSE = 0.1  # accepted departure from the wanted strength

@@ -1,13 +1,22 @@
-"""What was found of one set, as markdown: words, figures, what a program answered, and predictions."""
+"""What was found of one set, as markdown: words, figures, pictures, what a program answered, and predictions."""
+import io
+import tomllib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import floor, log10
+from pathlib import Path
 
 import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
 
 from .programs import Refused
 
+WORDS = tomllib.loads(Path(__file__).with_name("sets.toml").read_text())  # what is said of sets, sources and hosts
 WITHIN = 1.05  # the programs predict as well as by hand if they leave no more than this factor
+BINS = 120  # along a picture; each keeps its least and its greatest value
+STYLE = {"svg.hashsalt": "fluxcal", "svg.fonttype": "none", "font.size": 8, "lines.linewidth": 0.6}
 
 
 def three(value: float) -> str:
@@ -16,14 +25,14 @@ def three(value: float) -> str:
     return f"{value:.{decimals}f}"
 
 
-def each(values: Iterable[float], form: Callable[[float], str] = three) -> str:
-    return "; ".join(map(form, values))
-
-
 def figures(value: float, digits: int = 3, like: float | None = None) -> str:
     """To so many figures, of another number where one is given."""
     decimals = digits - 1 - int(f"{value if like is None else like:.{digits - 1}e}".split("e")[1])
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
+
+
+def each(values: Iterable[float], form: Callable[[float], str] = three) -> str:
+    return "; ".join(map(form, values))
 
 
 def plus_minus(value: float, std: float) -> str:
@@ -43,10 +52,6 @@ def quantity(of: dict | float) -> str:
     return plus_minus(number(of), std) if std else three(number(of))
 
 
-def table(head: list[str], rows: list[list[str]]) -> str:
-    return "".join(f"| {' | '.join(line)} |\n" for line in [head, ["---"] * len(head), *rows])
-
-
 def effects(document: dict) -> list[dict]:
     """What diagnose names."""
     return document["diagnosis"][0].get("effects", [])
@@ -56,6 +61,13 @@ def verdict(document: dict) -> str:
     """The verdict of diagnose with what it names, in a few words."""
     names = ", ".join(effect["effect"] for effect in effects(document))
     return document["diagnosis"][0]["verdict"].replace("_", " ") + f" ({names})" * bool(names)
+
+
+def thin(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The least and the greatest of each bin of x, in order: peaks survive."""
+    parts = np.split(np.arange(len(x)), np.searchsorted(x, np.linspace(x[0], x[-1], BINS + 1)[1:-1]))
+    rows = sorted({part[row] for part in parts if len(part) for row in (np.argmin(y[part]), np.argmax(y[part]))})
+    return x[rows], y[rows]
 
 
 @dataclass
@@ -69,16 +81,12 @@ class Prediction:
     why: str = ""  # why the programs leave more; empty where nobody knows
 
     @property
-    def ratios(self) -> np.ndarray:
-        return np.inf * self.by_hand_nt if self.programs_nt is None else self.programs_nt / self.by_hand_nt
-
-    @property
     def holds(self) -> bool:
-        return bool((self.ratios <= WITHIN).all())
+        return self.programs_nt is not None and bool((self.programs_nt <= WITHIN * self.by_hand_nt).all())
 
     def row(self, title: str) -> list[str]:
-        refused = self.programs_nt is None
-        told = ["refused", ""] if refused else [each(self.programs_nt, figures), each(self.ratios, "{:.2f}".format)]
+        nt = self.programs_nt
+        told = ["refused", ""] if nt is None else [each(nt, figures), each(nt / self.by_hand_nt, "{:.2f}".format)]
         return [f"{title} – {self.of}" if self.of else title, "; ".join(dict.fromkeys(self.ways)), each(self.by_hand_nt, figures), *told,
                 "yes" if self.holds else f"**no**: {self.why}" if self.why else "**no**; the reason is not known"]
 
@@ -104,21 +112,40 @@ class Page:
     def head(self, key: str, **figures: object) -> None:
         self.headline.append(self.words[key].format(**figures))
 
+    def table(self, head: list[str], rows: list[list[str]]) -> None:
+        self.text.append("".join(f"| {' | '.join(line)} |\n" for line in [head, ["---"] * len(head), *rows]))
+
     def items(self, items: list[str]) -> None:
         self.text += ["".join(f"- {item}\n" for item in items)] * bool(items)
-
-    def table(self, head: list[str], rows: list[list[str]]) -> None:
-        self.text.append(table(head, rows))
 
     def refused(self, refusal: Refused) -> None:
         self.say(f"`{refusal.program}` refuses: “{refusal}”.")
 
+    def plot(self, hours: list[np.ndarray], panels: dict[str, dict[str, np.ndarray]]) -> None:
+        """What is left against time, if a picture is asked for: panels by the label of y, of lines by their label, over both parts; a
+        dashed line is where the part held out begins. The same readings give the same bytes."""
+        if "plot" not in self.words:
+            return
+        with rc_context(STYLE):
+            figure, text = Figure((7.2, 0.8 + 1.1 * len(panels)), layout="constrained"), io.StringIO()
+            axes = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
+            for axis, (label, lines) in zip(axes, panels.items()):
+                for colour, (name, values) in zip(("#c2410c", "#1d4ed8", "#15803d"), lines.items()):
+                    axis.plot(*thin(np.concatenate(hours), values), color=colour, label=name)
+                axis.axvline(hours[1][0], color="#666", linestyle="--")
+                axis.set_ylabel(label)
+            axes[0].set_title(self.words["plot_title"].format(held_out=self.words["parts"][1]), fontsize=8, loc="left")
+            axes[-1].set_xlabel("time, h")
+            axes[-1].legend(fontsize=7, ncols=3, loc="upper left", frameon=False)
+            FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None, "Creator": None})
+        self.plots[self.words["plot"]] = text.getvalue()
+        self.say(f"![what is left before and after]({self.words['plot']})")
+
     def diagnosis(self, document: dict) -> None:
         """What diagnose says: verdict, figures, effects, what is left, what it asks for next."""
-        entry = document["diagnosis"][0]
+        entry, items = document["diagnosis"][0], []
         rms = {key: three(value) for key, value in entry["fit"].items() if key.endswith("_nt") and isinstance(value, float)}
         self.tell("diagnosis", verdict=entry["verdict"].replace("_", " "), source=entry["fit"]["noise_source"], **rms)
-        items = []
         for effect in effects(document):
             target = ", ".join(effect[key] for key in ("sensor", "coil", "column", "recording") if key in effect)
             parameters = ", ".join(f"`{name}` {quantity(value)}" for name, value in effect.get("parameters", {}).items())

@@ -1,15 +1,131 @@
-"""Sets of pairs of vector magnetometers."""
+"""Two vector magnetometers side by side: diffmag's matrix, fitted on one part and held against another."""
+from dataclasses import dataclass
+
 import numpy as np
 
 from . import by_hand
-from .page import Page, each, effects, three, verdict
-from .pair import DAY_S, Matrix, Part, predict, study
+from .by_hand import TEMPERATURE
+from .page import Page, Prediction, each, effects, figures, number, plus_minus, quantity, three, verdict
 from .programs import Programs
-from .series import AXES, Series, rms
+from .series import AXES, DAY_S, Series, relaxed, rms, scatter
 
+Part = tuple[Series, Series]  # readings of the reference (`reference_*_nt`) and of the test instrument (`test_*_nt`)
 PRINTED_NT = 0.0041  # standard uncertainty of the difference of two readings that are each printed to 0.01 nT
 SURE = 5  # standard uncertainties beyond which a parameter is one
 WILD_NT = 200_000.0  # faults of the balloon's logger: steel on the ground made 89 µT of the Earth's 53 µT
+
+
+@dataclass
+class Matrix:
+    """T = R η + d, nT, with what drifts or follows housekeeping."""
+
+    eta: np.ndarray
+    d_nt: np.ndarray
+    fit: dict
+    first_s: float  # of the fitted part
+    middle_s: float
+
+    @classmethod
+    def found(cls, document: dict, time_s: np.ndarray) -> "Matrix":
+        """As diffmag wrote it, of readings at these times."""
+        of = document["calibration"]["differential"]
+        d_nt = np.array([number(of["offset_nt"][axis]) for axis in AXES])
+        return cls(np.array(of["matrix"]), d_nt, of["fit"], time_s[0], time_s[[0, -1]].mean())
+
+    def apart(self, series: Series) -> np.ndarray:
+        """T − R η − d of each row, nT."""
+        return series.vectors("test") - series.vectors("reference") @ self.eta - self.d_nt
+
+    def left(self, series: Series) -> np.ndarray:
+        """The same without what goes on."""
+        return self.apart(series) - np.column_stack([self._goes_on(self.fit["axes"][axis], series) for axis in AXES])
+
+    def _goes_on(self, axis: dict, series: Series) -> np.ndarray:
+        """A straight drift, an exponential decay and the housekeeping columns that an axis follows, nT."""
+        told, t = axis.get("drift", {}), series.time_s
+        demanded, per_day, decay = told.get("demanded", "none"), number(told.get("straight_nt_per_day")), 0.0
+        if demanded in ("exponential", "both"):
+            joint = told["joint"]
+            per_day = number(joint.get("straight_nt_per_day"))
+            decay = number(joint["amplitude_nt"]) * np.exp(-(t - self.first_s) / number(joint["time_constant_s"]))
+        elif demanded == "none":
+            # What a drift that may be one is expected to bring; beside a column that is followed none is fitted.
+            may_be = {} if axis.get("follows") else told.get("explanations", {})
+            per_day = number(may_be.get("drift")) * number(may_be.get("straight_nt_per_day"))
+        columns = [followed(one, series) for one in axis.get("follows", []) if one["column"] in series.frame]
+        return per_day / DAY_S * (t - self.middle_s) + decay + sum(columns)
+
+    def findings(self, words: str = "") -> list[str]:
+        return [finding for finding in self.fit.get("findings", []) if words in finding]
+
+    def clock_in_words(self) -> str:
+        """Late or early and fast or slow, with sizes."""
+        def words(of: dict, unit: str, above: str, below: str) -> str:
+            value, std = (figures(abs(of[key]), 2, of["std"]) for key in ("value", "std"))
+            return f"{value} ± {std} {unit} {below if of['value'] < 0 else above}"
+        clock = self.fit["clock"]
+        return f"{words(clock['offset_s'], 's', 'late', 'early')}, {words(clock['rate_ppm'], 'ppm', 'fast', 'slow')}"
+
+    def elements(self, rows: str) -> list[list[str]]:
+        """The nine elements with the uncertainty to be quoted, a row an axis of the test instrument."""
+        of = self.fit["elements"]
+        return [[f"{rows} {j}", *(plus_minus(of[i + j]["weighted"], of[i + j]["weighted_std"]) for i in AXES)] for j in AXES]
+
+
+def followed(one: dict, series: Series) -> np.ndarray:
+    """c (x − x₀) + c₂ (x − x₀)², nT, with x behind the column by τ: τ dx/dt = column − x."""
+    column = series[one["column"]]
+    apart = (relaxed(series.time_s, column, number(one["lag_s"])) if "lag_s" in one else column) - one["at"]
+    return number(one["nt_per_unit"]) * apart + number(one.get("nt_per_unit2")) * apart**2
+
+
+def side_by_side(part: Part, late_s: float, rate: float = 0.0, middle_s: float = 0.0) -> Series:
+    """Both at the test instrument's own times; the reference's readings are where it was when the test instrument's clock said so much
+    more."""
+    reference, test = part[0], part[1].on_clock(part[0].start_s)
+    late = late_s + rate * (test.time_s - middle_s)
+    return reference.at(test.time_s - late).assign(time_s=test.time_s).joined(test).complete()
+
+
+def predict(page: Page, hand: tuple[list[str], list[np.ndarray]], left: np.ndarray) -> None:
+    """What is left by hand and by the programs, of each axis."""
+    ways = [f"{axis}: {way}" for axis, way in zip(AXES, hand[0])]
+    page.predictions.append(Prediction(ways, np.array([scatter(one) for one in hand[1]]), scatter(left), why=page.words.get("why", "")))
+
+
+def study(programs: Programs, page: Page, parts: tuple[Part, Part], correct_clock: bool = True) -> Matrix:
+    """Runs diffmag on the first part and shows what its matrix leaves of both."""
+    fitted, held_out = page.words["parts"]
+    recordings = [series.recording(role, "differential") for series, role in zip(parts[0], ("reference", "test"))]
+    document = programs.ask("diffmag", ["--correct-clock"] * correct_clock, *recordings)
+    raw = [side_by_side(part, 0.0) for part in parts]
+    found = Matrix.found(document, raw[0].time_s)
+    levels = Matrix(np.eye(3), (raw[0].vectors("test") - raw[0].vectors("reference")).mean(axis=0), {}, 0.0, 0.0)
+    clock = [correct_clock * number(found.fit["clock"][key]) for key in ("offset_s", "rate_ppm")]
+    aligned = [side_by_side(part, clock[0], 1e-6 * clock[1], found.middle_s) for part in parts]
+    before, after = [levels.apart(series) for series in raw], [found.left(series) for series in aligned]
+    by_parts = [lambda late_s, part=part: side_by_side(part, late_s) for part in parts]
+    hand = by_hand.best_of_pair(*by_parts, by_hand.lag(by_parts[0]))
+    predict(page, hand, after[1])
+    page.table(["test less reference, nT", *AXES], [[what, *map(three, values)] for what, values in [
+        (f"{fitted} (fitted): scatter, levels alone", scatter(before[0])), ("… with the matrix", scatter(after[0])),
+        (f"{held_out} (held out): scatter, levels alone", scatter(before[1])), ("… by hand", map(scatter, hand[1])),
+        ("… with the matrix", scatter(after[1])), ("… its level, levels alone", before[1].mean(axis=0)),
+        ("… its level, by hand", map(np.mean, hand[1])), ("… its level, with the matrix", after[1].mean(axis=0))]])
+    page.head("pair_head", fitted=fitted, held_out=held_out, after=each(scatter(after[1])), before=each(scatter(before[1])))
+    worse = " and ".join(axis for axis, a, b in zip(AXES, scatter(after[1]), scatter(before[1])) if a >= b)
+    page.tell("pair_worse" if worse else "pair_better", axes=worse)
+    offsets = [quantity(document["calibration"]["differential"]["offset_nt"][axis]) for axis in AXES]
+    page.table(["", "from reference x", "y", "z", "offset, nT"], [[*row, nt] for row, nt in zip(found.elements("test"), offsets)])
+    page.say(f"Clock of the test instrument: {found.clock_in_words()}.")
+    curves = {what: np.vstack([one.apart(series) for series in aligned]).T for what, one in
+              (("levels alone", levels), ("with the matrix", found))}
+    panels = {f"{axis}, nT": {what: nt[k] for what, nt in curves.items()} for k, axis in enumerate(AXES)}
+    page.plot([series.time_s / 3600 for series in aligned], panels)
+    page.say(f"`diffmag` answers: {found.fit['answer']}.")
+    page.say("`diffmag` also reports:")
+    page.items(found.findings())
+    return found
 
 
 def read_conrad(programs: Programs) -> Part:
@@ -20,7 +136,7 @@ def read_conrad(programs: Programs) -> Part:
 def read_cobenzl(programs: Programs) -> Part:
     didd = programs.ingest(*programs.files("wik-cobenzl-2011-09a/didd", ".WIK"), mapping="ingest/real/didd")
     lemi = programs.ingest(*programs.files("wik-cobenzl-2011-09a/lemi025", ".min"))
-    return didd.only("sensor", "reference"), lemi.only("sensor", "test")
+    return didd.only("sensor", "reference"), lemi.only("sensor", "test").on_clock(didd.start_s)
 
 
 def read_boulder(programs: Programs) -> Series:
@@ -31,11 +147,6 @@ def read_boulder(programs: Programs) -> Series:
 
 def read_meson_hall(programs: Programs) -> Series:
     return programs.ingest("tucan-fluxgates-2019-08-09-quiet/online_data.csv", mapping="real/meson-hall-pair", sort=True)
-
-
-def at(part: Part, at_s: float) -> tuple[Part, Part]:
-    """Two instruments before and after a moment of the reference's clock."""
-    return tuple(zip(part[0].split(at_s), part[1].on_clock(part[0].start_s).split(at_s)))
 
 
 def both(series: Series, reference: str = "reference", test: str = "test") -> Part:
@@ -49,12 +160,12 @@ def knows(page: Page, found: Matrix, words: str, of: str = "") -> None:
 
 
 def conrad(programs: Programs, page: Page) -> None:
-    found = study(programs, page, at(read_conrad(programs), 2 / 3 * DAY_S), clock=True)
+    found = study(programs, page, tuple(zip(*(series.split(2 / 3 * DAY_S) for series in read_conrad(programs)))))
     knows(page, found, "the responses of the instruments differ")
 
 
 def cobenzl(programs: Programs, page: Page) -> None:
-    found = study(programs, page, at(read_cobenzl(programs), 8 * DAY_S), clock=True)
+    found = study(programs, page, tuple(zip(*(series.split(8 * DAY_S) for series in read_cobenzl(programs)))))
     early = found.fit["clock"]["offset_s"]
     page.known.append((f"the test instrument's timestamps are {found.clock_in_words()}", -early["value"] > SURE * early["std"]))
 
@@ -64,7 +175,7 @@ def meson_hall(programs: Programs, page: Page) -> None:
     whole = read_meson_hall(programs)
     stretch = np.append(0, np.cumsum(np.diff(whole.time_s) > 30))
     parts = whole.rows(stretch == np.bincount(stretch).argmax()).split(share=2 / 3)
-    found = study(programs, page, tuple(map(both, parts)))
+    found = study(programs, page, tuple(map(both, parts)), correct_clock=False)
     recordings = [series.recording(role, "differential") for series, role in zip(both(whole), ("reference", "test"))]
     of_whole = Matrix.found(programs.ask("diffmag", [], *recordings), whole.time_s)
     knows(page, of_whole, "the matrix is not constant", "of the whole run: ")
@@ -76,7 +187,7 @@ def quadrotor(programs: Programs, page: Page) -> None:
     series = programs.ingest("mxl-quadrotor-2021-04-23/test1_esti.csv", mapping="ingest/real/quadrotor")
     repeated = (np.diff(series.vectors("reference"), axis=0) == 0).all(axis=1).sum()
     page.about = {"repeated": repeated, "rows": len(series)}
-    study(programs, page, tuple(both(part, "test", "reference") for part in series.split(share=0.5)), clock=True)
+    study(programs, page, tuple(both(part, "test", "reference") for part in series.split(share=0.5)))
 
 
 def balloon(programs: Programs, page: Page) -> None:
@@ -84,29 +195,29 @@ def balloon(programs: Programs, page: Page) -> None:
     whole = programs.ingest("mxl-balloon-2025-02-22a/flight_part1.csv", mapping="real/balloon-pair")
     wild = np.linalg.norm(whole.vectors("reference"), axis=1) > WILD_NT
     flight = whole.rows(~wild).between(3300, 6900).means(4)  # free flight: from the launch to the release
-    warmth = flight[by_hand.TEMPERATURE]
+    warmth = flight[TEMPERATURE]
     fitted, held_out = parts = flight.split(flight.time_s[warmth.argmin()] - 300)
     page.about = {"wild": wild.sum(), "first": three(warmth[0]), "least": three(warmth.min()), "last": three(warmth[-1])}
     explanations = {
-        "the matrix alone": lambda s: [], "with a line in the temperature": lambda s: [s[by_hand.TEMPERATURE]],
-        "with a line in the time": lambda s: [s.time_s / 3600], "with a parabola in the time": lambda s: [s.time_s / 3600, s.time_s**2]}
-    rows, slopes = [], {}
+        "the matrix alone": [], "with a line in the temperature": [lambda s: s[TEMPERATURE]],
+        "with a line in the time": [lambda s: s.time_s], "with a parabola in the time": [lambda s: s.time_s, lambda s: s.time_s**2]}
+    rows = []
     for what, further in explanations.items():
-        def columns(series: Series) -> list[np.ndarray]:
-            return by_hand.ones_and("reference")(series) + further(series)
+        columns = by_hand.affine("reference", *further)
         rows.append([what, *(each(rms(by_hand.left(columns, by_hand.test, fitted, part))) for part in parts)])
-        slopes[what] = each(by_hand.least_squares(columns(fitted), by_hand.test(fitted))[-1])
+        if what.endswith("temperature"):
+            slopes = by_hand.least_squares(columns(fitted), by_hand.test(fitted))[-1]
     page.headline += ["Held out, rms of x; y; z in nT:", *(f"{what} {nt};" for what, _, nt in rows)]
     page.say("By least squares of this page's own, rms of x; y; z in nT:")
     page.table(["explanation", "cooling (fitted)", "coldest and warming (held out)"], rows)
-    page.tell("slopes", slopes=slopes["with a line in the temperature"])
+    page.tell("slopes", slopes=each(slopes))
     found = Matrix.found(programs.ask("diffmag", [], fitted.recording("flight", "differential")), fitted.time_s)
     page.say(f"`diffmag`, fitted to the same part, answers: {found.fit['answer']}.")
     predict(page, by_hand.best_of_pair(lambda _: fitted, lambda _: held_out), found.left(held_out))
     document = programs.ask("diagnose", [], flight.recording("flight", "differential"))
-    warm = next((effect["parameters"] for effect in effects(document) if "temperature_c" in effect.get("column", "")), {})
-    slope = [warm.get(f"{axis}_nt_per_k", {"value": 0, "std": 1}) for axis in AXES]
-    axes = sum(abs(one["value"]) > SURE * one["std"] for one in slope)
+    warm = [one["parameters"] for one in effects(document) if "temperature_c" in one.get("column", "")] + [{}]
+    slopes = [warm[0].get(f"{axis}_nt_per_k", {"value": 0, "std": 1}) for axis in AXES]
+    axes = sum(abs(one["value"]) > SURE * one["std"] for one in slopes)
     page.known.append((f"the readings follow the temperature in {axes} of three axes", axes == 3))
     page.headline.append(f"`diagnose` {verdict(document)}.")
     page.diagnosis(document)

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 
 AXES = ("x", "y", "z")
+DAY_S = 86_400.0
 
 
 @dataclass(frozen=True)
