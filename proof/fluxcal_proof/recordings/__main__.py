@@ -2,25 +2,28 @@
 import argparse
 from pathlib import Path
 
-from . import alone, pairs, scalars, turned
-from .page import WORDS, Page
-from .programs import Programs, Refused
+from . import alone, lengths, pairs
+from .page import Page
+from .programs import TOML, Programs, Refused
+from .lengths import CONRAD_NT, VERNADSKY_NT
+from .series import DAY_S
 
-# All sets, in the order of the page; what is said of them is in sets.toml.
+# All sets, in the order of the page; what is said of them and where their files are is in sets.toml.
 SETS = {
     "conrad-pair": pairs.conrad, "cobenzl-pair": pairs.cobenzl, "meson-hall": pairs.meson_hall, "quadrotor": pairs.quadrotor,
-    "balloon": pairs.balloon, "boulder-published": pairs.boulder, "boulder-2016": scalars.boulder_month,
-    "boulder-2014": scalars.boulder_storm, "conrad-scalar": scalars.conrad, "vernadsky": scalars.vernadsky,
-    "cobenzl-scalar": scalars.cobenzl, "w2naf": alone.w2naf, "marg-static": alone.marg, "marg-rotations": turned.marg,
-    "phone": turned.phone, "marg-scalarcal": turned.marg_scalarcal, "phone-scalarcal": turned.phone_scalarcal,
-    "quadrotor-scalarcal": turned.michigan_scalarcal, "square-wave": alone.square_wave, "gradiometer": alone.gradiometer,
-    "certificates": alone.certificates,
+    "balloon": pairs.balloon, "boulder-published": pairs.boulder, "boulder-2016": lengths.boulder_month,
+    "boulder-2014": lambda p, page: lengths.study(p, page, p.read("boulder-2014").complete().means(300).split(4 * DAY_S)),
+    "conrad-scalar": lambda p, page: lengths.study(p, page, [lengths.read_conrad(p, date, 60) for date in page.words["parts"]], CONRAD_NT),
+    "vernadsky": lambda p, page: lengths.study(p, page, p.read("vernadsky").complete().means(60).split(DAY_S * 2 / 3), VERNADSKY_NT),
+    "cobenzl-scalar": lengths.cobenzl, "w2naf": alone.w2naf, "marg-static": alone.marg, "marg-rotations": lengths.marg,
+    "phone": lengths.phone, "marg-scalarcal": lengths.runs, "phone-scalarcal": lengths.runs, "quadrotor-scalarcal": lengths.michigan,
+    "square-wave": alone.square_wave, "gradiometer": alone.gradiometer, "certificates": alone.certificates,
 }
 
 
 def run(programs: Programs, name: str) -> Page:
     """One set; where its folder is missing the page says so."""
-    words = WORDS["page"] | WORDS["sets"][name]
+    words = TOML["page"] | TOML["sets"][name]
     page, folder = Page(words), words["folder"]
     if not (programs.data / folder).is_dir():
         page.headline.append("not run")
@@ -33,13 +36,13 @@ def run(programs: Programs, name: str) -> Page:
         page.refused(refusal)
     page.text.insert(0, words["about"].format(**page.about) + "\n")
     page.say(f"**Not determined:** {words['undecided']}")
-    page.say(f"Source: {WORDS['sources'][folder]}. `{name}`")
+    page.say(f"Source: {TOML['sources'][folder]}. `{name}`")
     return page
 
 
 def whole(pages: list[Page]) -> str:
     """The page of all sets."""
-    words, top = WORDS["page"], Page({})
+    words, top = TOML["page"], Page({})
     predictions = [(page.words["title"], one) for page in pages for one in page.predictions]
     known = sorted(((page.words["known"], *one) for page in pages for one in page.known), key=lambda one: one[2])
     top.say(words["head"])

@@ -4,7 +4,7 @@ import re
 import numpy as np
 import pandas as pd
 
-from .page import Page, each, effects, number, plus_minus, three, verdict
+from .page import Page, each, number, plus_minus, three, verdict
 from .programs import Programs, Refused
 from .series import AXES, Series, rms, scatter
 
@@ -22,13 +22,9 @@ def ask(programs: Programs, page: Page, name: str, series: Series) -> None:
     page.diagnosis(document)
 
 
-def read_w2naf(programs: Programs) -> Series:
-    return programs.ingest("hamsci-w2naf-2024-05-10/w2naf-20240510-runmag.csv", mapping="ingest/real/hamsci")
-
-
 def w2naf(programs: Programs, page: Page) -> None:
     """Sixteen hours before the storm, then the whole day."""
-    day = read_w2naf(programs).means(120)
+    day = programs.read("w2naf").means(120)
     quiet, _ = day.split(16 * 3600)
     moves = {name: three(scatter(quiet[f"{name}_temperature_c"])) for name in ("sensor", "electronics")}
     page.about = {"readings": ", ".join(map(three, scatter(quiet.vectors("sensor")))), **moves}
@@ -40,9 +36,7 @@ def w2naf(programs: Programs, page: Page) -> None:
 
 def read_marg(programs: Programs, step_s: float) -> Series:
     """An HMC5883L lying still, with the thermometer of another chip on its board; means at uneven times."""
-    mappings = {"mag": "ingest/real/marg", "temp_decim10": "real/marg-temperature"}
-    field, thermometer = (programs.ingest(f"marg-hmc5883l-sunsided/set2_static_10min_{name}.csv", mapping=mapping).means(step_s, 0)
-                          for name, mapping in mappings.items())
+    field, thermometer = (programs.read(name).means(step_s, least=0) for name in ("still", "still-temperature"))
     return field.joined(thermometer).complete()
 
 
@@ -58,17 +52,15 @@ def drive(z: np.ndarray) -> np.ndarray:
     The first row, an artefact, has its sign and says nothing of its neighbour."""
     low, high = np.sort(z)[[len(z) // 10, -1 - len(z) // 10]]
     sign = np.where(z > (low + high) / 2, 1.0, -1.0)
-    settled = np.abs(z - np.where(sign > 0, high, low)) < LEVEL_NT
-    together = settled[1:] & settled[:-1] & (sign[1:] == sign[:-1])
-    together[0], settled[0] = True, True
-    held = settled & np.append(together, True) & np.append(True, together)
-    held[0] = True
-    return np.where(held, sign * DRIVE_A, np.nan)
+    level = np.where(np.abs(z - np.where(sign > 0, high, low)) < LEVEL_NT, sign, 0)
+    level[0] = level[1]
+    before, after = np.append(level[0], level[:-1]), np.append(level[1:], level[-1])
+    return np.where((level != 0) & (level == before) & (level == after), sign * DRIVE_A, np.nan)
 
 
 def square_wave(programs: Programs, page: Page) -> None:
     """A fluxgate beside a coil; the first row of the logger is known to be an artefact, and diagnose is not told."""
-    series = programs.ingest("tucan-coil-tests/squareCoil_F=0.1Hz_Resistor.csv")
+    series = programs.read("square-wave")
     current, half = drive(series["sensor_z_nt"]), len(series) // 2
 
     def steps(rows: slice) -> str:
@@ -83,10 +75,10 @@ def square_wave(programs: Programs, page: Page) -> None:
     for what, given in [("With a scatter of 5 nT declared", coil | noise), ("Without any noise declared", coil)]:
         page.say(f"{what}:")
         document = programs.ask("diagnose", [], driven, given=given)
-        found = sum(one["effect"] == "spike" and number(one["parameters"].get("time_s", 1)) == 0 for one in effects(document))
+        named = page.diagnosis(document)
+        found = sum(one["effect"] == "spike" and number(one["parameters"].get("time_s", 1)) == 0 for one in named)
         page.known.append((f"{what} a spike in the first row of {found} of three axes", found == 3))
         page.head("artefact", what=what, found=found, verdict=verdict(document))
-        page.diagnosis(document)
     page.tell("not_told")
     total = pd.DataFrame({"coil_z_a": current, "reference_nt": np.linalg.norm(series.vectors("sensor"), axis=1)})
     try:
@@ -97,8 +89,7 @@ def square_wave(programs: Programs, page: Page) -> None:
 
 def gradiometer(programs: Programs, page: Page) -> None:
     """An empty scan as the simulation against which another empty scan, and one with a foil, are held."""
-    empty, again, foil = (programs.ingest(f"tucan-coil-tests/2021-03-03_16-{name}.csv", mapping="ingest/real/gradiometer")
-                          for name in ("00-03-background-2", "10-01-background-3", "03-59-FOIL4-Primary"))
+    empty, again, foil = (programs.read(name) for name in ("scan-empty", "scan-empty-again", "scan-foil"))
 
     def scan(series: Series) -> dict:
         return series.only("reference", "sensor").assign(position_m=empty["position_m"]).recording("scan", "free_run")
@@ -109,27 +100,24 @@ def gradiometer(programs: Programs, page: Page) -> None:
         told.append(verdict(document))
         page.headline.append(f"{what}: {told[-1]}.")
         page.diagnosis(document)
-    page.known.append((f"{told[1]} with the foil, {told[0]} of the empty holder", told[0] == "agrees" != told[1]))
-
-
-def figures(text: str) -> dict[str, float]:
-    """The figures of a certificate's table by name: its first and third column."""
-    return {name: float(value) for name, value in re.findall(r"^\|\s*(\S+)\s*\|[^|]*\|\s*(-?[\d.]+)\s*\|", text, re.MULTILINE)}
+    page.known.append((f"{told[1]} with the foil, {told[0]} of the empty holder", told[0] == "agrees" and told[1] != "agrees"))
 
 
 def certificates(programs: Programs, page: Page) -> None:
     """Do the figures of four certificates agree with one another, and how large are real angles?"""
     scales, angles, apart = [], [], []
-    for file in programs.files("geonet-fge-constants", ".const.md"):
-        of, name = figures((programs.data / file).read_text()), file.split("/")[-1].removesuffix(".const.md")
+    for file in sorted(programs.data.glob("geonet-fge-constants/*.const.md")):
+        # The first and the third column of its table.
+        of = {name: float(value) for name, value in re.findall(r"^\|\s*(\S+)\s*\|[^|]*\|\s*(-?[\d.]+)\s*\|", file.read_text(), re.MULTILINE)}
+        name = file.name.removesuffix(".const.md")
         for axis in "XYZ":
             own, printed = of[f"{axis}-coil"] / of["res"], of.get(f"{axis}-scale")  # nT/mA over kohm is nT/V
             apart += [printed - own] if printed else []
             told = [f"{printed:.1f}", f"{round(printed - own, 1) + 0:+.1f}"] if printed else ["not printed", ""]
             scales.append([f"{name} {axis}", f"{own:.1f}", *told])
-        angles.append([name, [of[f"ε{k}"] for k in range(5) if f"ε{k}" in of]])
+        angles.append([name, ", ".join(f"{of[f'ε{k}']:g}" for k in range(5))])
     page.head("scales", printed=len(apart), agree=sum(abs(one) <= ROUNDING_NT_PER_V for one in apart))
     page.table(["instrument", "coil over resistor, nT/V", "printed, nT/V", "apart, nT/V"], scales)
-    page.table(["instrument", "ε0 to ε4, mrad"], [[name, ", ".join(f"{one:g}" for one in mrad)] for name, mrad in angles])
-    largest = max(abs(one) for _, mrad in angles for one in mrad)
+    page.table(["instrument", "ε0 to ε4, mrad"], angles)
+    largest = max(abs(float(mrad)) for _, told in angles for mrad in told.split(", "))
     page.tell("angle", mrad=largest, arcsec=round(largest * 206.265), nt=three(1e-3 * largest * 50_000))

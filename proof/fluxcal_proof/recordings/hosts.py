@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from . import alone, pairs, scalars
+from . import alone, lengths, pairs
 from .by_hand import least_squares, left, affine, test
-from .page import WORDS
-from .programs import Programs
-from .scalars import CONRAD_NT, NONE, VERNADSKY_NT
+from .programs import TOML, Programs
+from .lengths import CONRAD_NT, NONE, VERNADSKY_NT
 from .series import AXES, DAY_S, Series, rms
 
 COBENZL_EARLY_S = 18.38  # what the LEMI stamps its minutes too early by: diffmag --correct-clock over twelve days
@@ -45,7 +44,7 @@ class Host:
         design = np.column_stack([np.ones(self.rows), field - field.mean(axis=0)])
         basis, sizes, _ = np.linalg.svd(design / np.maximum(np.linalg.norm(design, axis=0), 1e-300), full_matrices=False)
         self._basis = basis[:, sizes > 1e-9]
-        residual = scalars.mismatch(series, offset_nt)[:, None] if self.kind == "scalar" else self.readings
+        residual = lengths.mismatch(series, offset_nt)[:, None] if self.kind == "scalar" else self.readings
         self.scatter_nt = float(rms(self._without_constants(residual), axis=None))
 
     def _without_constants(self, columns: np.ndarray) -> np.ndarray:
@@ -75,48 +74,39 @@ def between(series: Series, from_s: float, to_s: float) -> Series:
     return cut.on_clock(series.start_s + from_s) if series.start_s else cut
 
 
-def conrad_pair(p: Programs) -> Series:
-    reference, test = pairs.read_conrad(p)
+def pair(p: Programs, *names: str) -> Series:
+    reference, test = pairs.read(p, *names)
     return reference.joined(test).complete()
 
 
 def conrad_vectors(p: Programs) -> Series:
     """The test instrument of the pair in the field that the other one tells it has, by least squares."""
-    pair = conrad_pair(p).means(60)
-    ambient = pair.vectors("test") - left(affine("reference"), test, pair, pair)
-    return pair.only("test", "sensor").assign(**{f"ambient_{axis}_nt": column for axis, column in zip(AXES, ambient.T)})
+    both = pair(p, "fge-2022-08-10", "lemi036").means(60)
+    ambient = both.vectors("test") - left(affine("reference"), test, both, both)
+    return both.only("test", "sensor").assign(**{f"ambient_{axis}_nt": column for axis, column in zip(AXES, ambient.T)})
 
 
 def cobenzl_night(p: Programs) -> Series:
-    reference, test = pairs.read_cobenzl(p)
+    reference, test = pairs.read(p, "didd", "lemi025")
     test = test.at(reference.time_s - COBENZL_EARLY_S).assign(time_s=reference.time_s)
     return between(reference.joined(test).complete(), DAY_S - 2 * 3600, DAY_S + 7.5 * 3600)
 
 
-def meson_hall(p: Programs) -> Series:
-    """The longest part without a gap."""
-    series = pairs.read_meson_hall(p).complete()
-    return between(series, series.time_s[-1] - 1000, np.inf)
-
-
-def boulder(day: int) -> tuple:
-    return ("usgs-bou-2016-01", lambda p: between(scalars.read_boulder(p), (day - 1) * DAY_S, day * DAY_S), NONE, 0.01)
-
-
 # Folder, how it is read, what maker or logger state as offset (nT), and the width of a code (nT; 0 where readings are means).
 CANDIDATES = {
-    "conrad-scalar-20s": ("wic-conrad-2022-08", lambda p: scalars.read_conrad(p, "2022-08-03", 20), CONRAD_NT, 0.0),
-    "conrad-scalar-60s": ("wic-conrad-2022-08", lambda p: scalars.read_conrad(p, "2022-08-10", 60), CONRAD_NT, 0.0),
+    "conrad-scalar-20s": ("wic-conrad-2022-08", lambda p: lengths.read_conrad(p, "2022-08-03", 20), CONRAD_NT, 0.0),
+    "conrad-scalar-60s": ("wic-conrad-2022-08", lambda p: lengths.read_conrad(p, "2022-08-10", 60), CONRAD_NT, 0.0),
     "conrad-vectors": ("wic-conrad-2022-08", conrad_vectors, NONE, 0.0),
-    "conrad-fge": ("wic-conrad-2022-08", lambda p: between(pairs.read_conrad(p)[0].only("reference", "sensor"), 7200, 8100), NONE, 0.001),
-    "vernadsky": ("aia-vernadsky-2020-03-03", scalars.read_vernadsky, VERNADSKY_NT, 0.01),
-    "boulder-8": boulder(8), "boulder-16": boulder(16), "boulder-25": boulder(25),
+    "conrad-fge": ("wic-conrad-2022-08", lambda p: between(p.read("fge-2022-08-10"), 7200, 8100), NONE, 0.001),
+    "vernadsky": ("aia-vernadsky-2020-03-03", lambda p: p.read("vernadsky").complete(), VERNADSKY_NT, 0.01),
+    **{f"boulder-{day}": ("usgs-bou-2016-01", lambda p, day=day: between(p.read("boulder-raw").complete(), (day - 1) * DAY_S, day * DAY_S),
+                          NONE, 0.01) for day in (8, 16, 25)},
     "hmc5883l": ("marg-hmc5883l-sunsided", lambda p: alone.read_marg(p, 0.2), NONE, 0.0),
-    "w2naf-night": ("hamsci-w2naf-2024-05-10", lambda p: between(alone.read_w2naf(p), 7200, 28_800).means(30, 0).complete(), NONE, 0.0),
-    "conrad-pair": ("wic-conrad-2022-08", lambda p: conrad_pair(p).means(120), NONE, 0.0),
-    "boulder-published": ("usgs-bou-2016-01", lambda p: between(pairs.read_boulder(p), 7 * DAY_S, 8 * DAY_S), NONE, 0.01),
+    "w2naf-night": ("hamsci-w2naf-2024-05-10", lambda p: between(p.read("w2naf"), 7200, 28_800).means(30, 0).complete(), NONE, 0.0),
+    "conrad-pair": ("wic-conrad-2022-08", lambda p: pair(p, "fge-2022-08-10", "lemi036").means(120), NONE, 0.0),
+    "boulder-published": ("usgs-bou-2016-01", lambda p: between(pair(p, "boulder-raw", "boulder-adjusted"), 7 * DAY_S, 8 * DAY_S), NONE, 0.01),
     "cobenzl-night": ("wik-cobenzl-2011-09a", cobenzl_night, NONE, 0.0),
-    "meson-hall": ("tucan-fluxgates-2019-08-09-quiet", meson_hall, NONE, 0.0),
+    "meson-hall": ("tucan-fluxgates-2019-08-09-quiet", lambda p: between(p.read("meson-hall").complete(), 408, 1060), NONE, 0.0),
 }
 
 
@@ -125,7 +115,7 @@ def hosts(data: Path, programs: Path) -> list[Host]:
     stages, found = Programs(programs, data), []
     for name, (folder, read, offset_nt, code_nt) in CANDIDATES.items():
         if (Path(data) / folder).is_dir():
-            found.append(Host(name, WORDS["hosts"][name], WORDS["sources"][folder], read(stages), offset_nt, code_nt))
+            found.append(Host(name, TOML["hosts"][name], TOML["sources"][folder], read(stages), offset_nt, code_nt))
         else:
             print(f"{name}: no host, no folder {folder} with the recordings")
     return found

@@ -161,7 +161,7 @@ def suits(host: Host) -> list[str]:
 def injections(hosts: list[Host], seed: int, number: int) -> list[Injection]:
     """So many, if the hosts carry them: hosts by turns, each with its members in a drawn order, strengths by turns."""
     found, members = [], [suits(host) for host in hosts]
-    for turn in range(number):
+    for turn in range(10 * number):
         for k, host in enumerate(hosts):
             around, place = divmod(turn, len(members[k]))
             name = np.random.default_rng([seed, k, around]).permutation(members[k])[place]

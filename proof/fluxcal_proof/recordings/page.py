@@ -1,10 +1,8 @@
 """What was found of one set, as markdown: words, figures, pictures, what a program answered, and predictions."""
 import io
-import tomllib
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from math import floor, log10
-from pathlib import Path
 
 import numpy as np
 from matplotlib import rc_context
@@ -13,7 +11,6 @@ from matplotlib.figure import Figure
 
 from .programs import Refused
 
-WORDS = tomllib.loads(Path(__file__).with_name("sets.toml").read_text())  # what is said of sets, sources and hosts
 WITHIN = 1.05  # the programs predict as well as by hand if they leave no more than this factor
 BINS = 120  # along a picture; each keeps its least and its greatest value
 STYLE = {"svg.hashsalt": "fluxcal", "svg.fonttype": "none", "font.size": 8, "lines.linewidth": 0.6}
@@ -25,9 +22,9 @@ def three(value: float) -> str:
     return f"{value:.{decimals}f}"
 
 
-def figures(value: float, digits: int = 3, like: float | None = None) -> str:
-    """To so many figures, of another number where one is given."""
-    decimals = digits - 1 - int(f"{value if like is None else like:.{digits - 1}e}".split("e")[1])
+def figures(value: float) -> str:
+    """To three figures."""
+    decimals = 2 - int(f"{value:.2e}".split("e")[1])
     return f"{round(value, decimals):.{max(decimals, 0)}f}"
 
 
@@ -52,15 +49,11 @@ def quantity(of: dict | float) -> str:
     return plus_minus(number(of), std) if std else three(number(of))
 
 
-def effects(document: dict) -> list[dict]:
-    """What diagnose names."""
-    return document["diagnosis"][0].get("effects", [])
-
-
 def verdict(document: dict) -> str:
     """The verdict of diagnose with what it names, in a few words."""
-    names = ", ".join(effect["effect"] for effect in effects(document))
-    return document["diagnosis"][0]["verdict"].replace("_", " ") + f" ({names})" * bool(names)
+    entry = document["diagnosis"][0]
+    names = ", ".join(effect["effect"] for effect in entry.get("effects", []))
+    return entry["verdict"].replace("_", " ") + (f" ({names})" if names else "")
 
 
 def thin(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -141,15 +134,15 @@ class Page:
         self.plots[self.words["plot"]] = text.getvalue()
         self.say(f"![what is left before and after]({self.words['plot']})")
 
-    def diagnosis(self, document: dict) -> None:
-        """What diagnose says: verdict, figures, effects, what is left, what it asks for next."""
+    def diagnosis(self, document: dict) -> list[dict]:
+        """What diagnose says: verdict, figures, effects, what is left, what it asks for next; the effects that it names."""
         entry, items = document["diagnosis"][0], []
         rms = {key: three(value) for key, value in entry["fit"].items() if key.endswith("_nt") and isinstance(value, float)}
         self.tell("diagnosis", verdict=entry["verdict"].replace("_", " "), source=entry["fit"]["noise_source"], **rms)
-        for effect in effects(document):
+        for effect in entry.get("effects", []):
             target = ", ".join(effect[key] for key in ("sensor", "coil", "column", "recording") if key in effect)
             parameters = ", ".join(f"`{name}` {quantity(value)}" for name, value in effect.get("parameters", {}).items())
-            items.append(f"named: `{effect['effect']}` {target}" + f": {parameters}" * bool(parameters))
+            items.append(f"named: `{effect['effect']}` {target}" + (f": {parameters}" if parameters else ""))
         if entry.get("ambiguity"):
             items.append("indistinguishable: " + "; ".join(" with ".join(one) for one in entry["ambiguity"]))
         if entry.get("remaining", {}).get("structure"):
@@ -158,3 +151,4 @@ class Page:
         if "next_experiment" in entry and entry["verdict"] != "agrees":
             items.append(f"it proposes: {entry['next_experiment']}")
         self.items(items)
+        return entry.get("effects", [])

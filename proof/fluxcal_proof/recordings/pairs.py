@@ -5,7 +5,7 @@ import numpy as np
 
 from . import by_hand
 from .by_hand import TEMPERATURE
-from .page import Page, Prediction, each, effects, figures, number, plus_minus, quantity, three, verdict
+from .page import Page, Prediction, each, number, plus_minus, quantity, three, verdict
 from .programs import Programs
 from .series import AXES, DAY_S, Series, relaxed, rms, scatter
 
@@ -52,31 +52,27 @@ class Matrix:
             # What a drift that may be one is expected to bring; beside a column that is followed none is fitted.
             may_be = {} if axis.get("follows") else told.get("explanations", {})
             per_day = number(may_be.get("drift")) * number(may_be.get("straight_nt_per_day"))
-        columns = [followed(one, series) for one in axis.get("follows", []) if one["column"] in series.frame]
-        return per_day / DAY_S * (t - self.middle_s) + decay + sum(columns)
+        goes_on = per_day / DAY_S * (t - self.middle_s) + decay
+        for one in axis.get("follows", []):  # c (x − x₀) + c₂ (x − x₀)², x behind the column by τ
+            column = series[one["column"]]
+            x = (relaxed(t, column, number(one["lag_s"])) if "lag_s" in one else column) - one["at"]
+            goes_on = goes_on + number(one["nt_per_unit"]) * x + number(one.get("nt_per_unit2")) * x**2
+        return goes_on
 
-    def findings(self, words: str = "") -> list[str]:
-        return [finding for finding in self.fit.get("findings", []) if words in finding]
+    def finding(self, words: str, of: str = "") -> tuple[str, bool]:
+        """The first with some words, and whether there is one."""
+        told = [finding for finding in self.fit["findings"] if words in finding]
+        return of + (f"“{told[0]}”" if told else "nothing of it"), bool(told)
 
-    def clock_in_words(self) -> str:
-        """Late or early and fast or slow, with sizes."""
-        def words(of: dict, unit: str, above: str, below: str) -> str:
-            value, std = (figures(abs(of[key]), 2, of["std"]) for key in ("value", "std"))
-            return f"{value} ± {std} {unit} {below if of['value'] < 0 else above}"
-        clock = self.fit["clock"]
-        return f"{words(clock['offset_s'], 's', 'late', 'early')}, {words(clock['rate_ppm'], 'ppm', 'fast', 'slow')}"
+    def clock(self) -> str:
+        offset, rate = self.fit["clock"]["offset_s"], self.fit["clock"]["rate_ppm"]
+        late, fast = "late" if number(offset) >= 0 else "early", "fast" if number(rate) >= 0 else "slow"
+        return f"{quantity(offset).removeprefix('-')} s {late}, {quantity(rate).removeprefix('-')} ppm {fast}"
 
     def elements(self, rows: str) -> list[list[str]]:
         """The nine elements with the uncertainty to be quoted, a row an axis of the test instrument."""
         of = self.fit["elements"]
         return [[f"{rows} {j}", *(plus_minus(of[i + j]["weighted"], of[i + j]["weighted_std"]) for i in AXES)] for j in AXES]
-
-
-def followed(one: dict, series: Series) -> np.ndarray:
-    """c (x − x₀) + c₂ (x − x₀)², nT, with x behind the column by τ: τ dx/dt = column − x."""
-    column = series[one["column"]]
-    apart = (relaxed(series.time_s, column, number(one["lag_s"])) if "lag_s" in one else column) - one["at"]
-    return number(one["nt_per_unit"]) * apart + number(one.get("nt_per_unit2")) * apart**2
 
 
 def side_by_side(part: Part, late_s: float, rate: float = 0.0, middle_s: float = 0.0) -> Series:
@@ -96,7 +92,7 @@ def predict(page: Page, hand: tuple[list[str], list[np.ndarray]], left: np.ndarr
 def study(programs: Programs, page: Page, parts: tuple[Part, Part], correct_clock: bool = True) -> Matrix:
     """Runs diffmag on the first part and shows what its matrix leaves of both."""
     fitted, held_out = page.words["parts"]
-    recordings = [series.recording(role, "differential") for series, role in zip(parts[0], ("reference", "test"))]
+    recordings = [series.recording(id, "differential") for series, id in zip(parts[0], ("reference", "test"))]
     document = programs.ask("diffmag", ["--correct-clock"] * correct_clock, *recordings)
     raw = [side_by_side(part, 0.0) for part in parts]
     found = Matrix.found(document, raw[0].time_s)
@@ -117,82 +113,57 @@ def study(programs: Programs, page: Page, parts: tuple[Part, Part], correct_cloc
     page.tell("pair_worse" if worse else "pair_better", axes=worse)
     offsets = [quantity(document["calibration"]["differential"]["offset_nt"][axis]) for axis in AXES]
     page.table(["", "from reference x", "y", "z", "offset, nT"], [[*row, nt] for row, nt in zip(found.elements("test"), offsets)])
-    page.say(f"Clock of the test instrument: {found.clock_in_words()}.")
+    page.say(f"Clock of the test instrument: {found.clock()}.")
     curves = {what: np.vstack([one.apart(series) for series in aligned]).T for what, one in
               (("levels alone", levels), ("with the matrix", found))}
     panels = {f"{axis}, nT": {what: nt[k] for what, nt in curves.items()} for k, axis in enumerate(AXES)}
     page.plot([series.time_s / 3600 for series in aligned], panels)
     page.say(f"`diffmag` answers: {found.fit['answer']}.")
     page.say("`diffmag` also reports:")
-    page.items(found.findings())
+    page.items(found.fit["findings"])
     return found
 
 
-def read_conrad(programs: Programs) -> Part:
-    reference, test = (programs.ingest(f"wic-conrad-2022-08/{name}_2022-08-10_1s.csv") for name in ("fge_s0252", "lemi036_xyz"))
-    return reference.only("sensor", "reference"), test.only("sensor", "test")
-
-
-def read_cobenzl(programs: Programs) -> Part:
-    didd = programs.ingest(*programs.files("wik-cobenzl-2011-09a/didd", ".WIK"), mapping="ingest/real/didd")
-    lemi = programs.ingest(*programs.files("wik-cobenzl-2011-09a/lemi025", ".min"))
-    return didd.only("sensor", "reference"), lemi.only("sensor", "test").on_clock(didd.start_s)
-
-
-def read_boulder(programs: Programs) -> Series:
-    """A month as read and as published."""
-    raw, adjusted = (programs.ingest(f"usgs-bou-2016-01/BOU201601{name}.min") for name in ("vmin", "adj"))
-    return raw.only("sensor", "reference").joined(adjusted.only("sensor", "test")).complete()
-
-
-def read_meson_hall(programs: Programs) -> Series:
-    return programs.ingest("tucan-fluxgates-2019-08-09-quiet/online_data.csv", mapping="real/meson-hall-pair", sort=True)
-
-
-def both(series: Series, reference: str = "reference", test: str = "test") -> Part:
-    return series.only(reference, "reference"), series.only(test, "test")
-
-
-def knows(page: Page, found: Matrix, words: str, of: str = "") -> None:
-    """Whether diffmag has a finding with some words."""
-    told = found.findings(words)
-    page.known.append((of + (f"“{told[0]}”" if told else "nothing of it"), bool(told)))
+def read(programs: Programs, reference: str, test: str) -> Part:
+    """Two instruments on the clock of the first."""
+    reference = programs.read(reference).only("sensor", "reference")
+    return reference, programs.read(test).only("sensor", "test").on_clock(reference.start_s)
 
 
 def conrad(programs: Programs, page: Page) -> None:
-    found = study(programs, page, tuple(zip(*(series.split(2 / 3 * DAY_S) for series in read_conrad(programs)))))
-    knows(page, found, "the responses of the instruments differ")
+    found = study(programs, page, tuple(zip(*(series.split(2 / 3 * DAY_S) for series in read(programs, "fge-2022-08-10", "lemi036")))))
+    page.known.append(found.finding("the responses of the instruments differ"))
 
 
 def cobenzl(programs: Programs, page: Page) -> None:
-    found = study(programs, page, tuple(zip(*(series.split(8 * DAY_S) for series in read_cobenzl(programs)))))
+    found = study(programs, page, tuple(zip(*(series.split(8 * DAY_S) for series in read(programs, "didd", "lemi025")))))
     early = found.fit["clock"]["offset_s"]
-    page.known.append((f"the test instrument's timestamps are {found.clock_in_words()}", -early["value"] > SURE * early["std"]))
+    page.known.append((f"the test instrument's timestamps are {found.clock()}", -early["value"] > SURE * early["std"]))
 
 
 def meson_hall(programs: Programs, page: Page) -> None:
     """Of the longest stretch without a gap of 30 s."""
-    whole = read_meson_hall(programs)
+    whole = programs.read("meson-hall")
     stretch = np.append(0, np.cumsum(np.diff(whole.time_s) > 30))
     parts = whole.rows(stretch == np.bincount(stretch).argmax()).split(share=2 / 3)
-    found = study(programs, page, tuple(map(both, parts)), correct_clock=False)
-    recordings = [series.recording(role, "differential") for series, role in zip(both(whole), ("reference", "test"))]
+    found = study(programs, page, [(part.only("reference"), part.only("test")) for part in parts], correct_clock=False)
+    recordings = [whole.only(role).recording(role, "differential") for role in ("reference", "test")]
     of_whole = Matrix.found(programs.ask("diffmag", [], *recordings), whole.time_s)
-    knows(page, of_whole, "the matrix is not constant", "of the whole run: ")
+    page.known.append(of_whole.finding("the matrix is not constant", "of the whole run: "))
     page.head("shares", shares=each(np.linalg.norm(found.eta, axis=0)))
 
 
 def quadrotor(programs: Programs, page: Page) -> None:
     """The file's reference is the test instrument here."""
-    series = programs.ingest("mxl-quadrotor-2021-04-23/test1_esti.csv", mapping="ingest/real/quadrotor")
+    series = programs.read("quadrotor")
     repeated = (np.diff(series.vectors("reference"), axis=0) == 0).all(axis=1).sum()
     page.about = {"repeated": repeated, "rows": len(series)}
-    study(programs, page, tuple(both(part, "test", "reference") for part in series.split(share=0.5)))
+    study(programs, page, [(part.only("test", "reference"), part.only("reference", "test")) for part in series.split(share=0.5)])
 
 
 def balloon(programs: Programs, page: Page) -> None:
     """Fitted on the way into the cold, held against the way back, by four explanations; then diagnose."""
-    whole = programs.ingest("mxl-balloon-2025-02-22a/flight_part1.csv", mapping="real/balloon-pair")
+    whole = programs.read("balloon")
     wild = np.linalg.norm(whole.vectors("reference"), axis=1) > WILD_NT
     flight = whole.rows(~wild).between(3300, 6900).means(4)  # free flight: from the launch to the release
     warmth = flight[TEMPERATURE]
@@ -215,17 +186,18 @@ def balloon(programs: Programs, page: Page) -> None:
     page.say(f"`diffmag`, fitted to the same part, answers: {found.fit['answer']}.")
     predict(page, by_hand.best_of_pair(lambda _: fitted, lambda _: held_out), found.left(held_out))
     document = programs.ask("diagnose", [], flight.recording("flight", "differential"))
-    warm = [one["parameters"] for one in effects(document) if "temperature_c" in one.get("column", "")] + [{}]
-    slopes = [warm[0].get(f"{axis}_nt_per_k", {"value": 0, "std": 1}) for axis in AXES]
+    named = page.diagnosis(document)
+    warm = next((one["parameters"] for one in named if "temperature_c" in one.get("column", "")), {})
+    slopes = [warm[f"{axis}_nt_per_k"] for axis in AXES if f"{axis}_nt_per_k" in warm]
     axes = sum(abs(one["value"]) > SURE * one["std"] for one in slopes)
     page.known.append((f"the readings follow the temperature in {axes} of three axes", axes == 3))
     page.headline.append(f"`diagnose` {verdict(document)}.")
-    page.diagnosis(document)
 
 
 def boulder(programs: Programs, page: Page) -> None:
     """Between raw and adjusted minutes is one matrix, which diffmag must give back."""
-    fitted, held_out = parts = read_boulder(programs).split(share=0.5)
+    raw, adjusted = read(programs, "boulder-raw", "boulder-adjusted")
+    fitted, held_out = parts = raw.joined(adjusted).complete().split(share=0.5)
     found = Matrix.found(programs.ask("diffmag", [], fitted.recording("adjusted", "differential")), fitted.time_s)
     left = [found.apart(part) for part in parts]
     told = [each(rms(one), "{:.4f}".format) for one in left]

@@ -1,12 +1,14 @@
-"""The programs as they are shipped, each run by itself."""
+"""The programs as they are shipped, each run by itself, and the recordings that they read."""
 import json
 import os
 import subprocess
 import tempfile
+import tomllib
 from pathlib import Path
 
 from .series import Series
 
+TOML = tomllib.loads(Path(__file__).with_name("sets.toml").read_text())
 FIXTURES = Path(__file__).parents[3] / "fixtures"
 
 
@@ -24,20 +26,19 @@ class Programs:
     def __init__(self, programs: Path, data: Path) -> None:
         self.folder, self.data = Path(programs), Path(data)
 
-    def files(self, folder: str, end: str) -> list[str]:
-        """Files of a folder of the recordings, by name."""
-        return sorted(str(path.relative_to(self.data)) for path in (self.data / folder).glob(f"*{end}"))
+    def read(self, name: str) -> Series:
+        """A recording of sets.toml, by `ingest`."""
+        pattern, *further = TOML["files"][name]
+        return self.ingest(sorted(self.data.glob(pattern)), *further)
 
-    def ingest(self, *names: str, mapping: str = "", sort: bool = False) -> Series:
+    def ingest(self, files: list[Path], mapping: str = "", *arguments: str) -> Series:
         """Files of one series; `mapping` is a file below fixtures."""
-        mapped = ["--map", str(FIXTURES / f"{mapping}.json")] if mapping else []
-        files = [str(self.data / name) for name in names]
-        return Series.of(self._run("ingest", [*["--sort"] * sort, *mapped, "--inline"], *files))
+        mapped = ["--map", f"{FIXTURES}/{mapping}.json"] if mapping else []
+        return Series.of(self._run("ingest", ["--inline", *mapped, *arguments], *map(str, files)))
 
-    def ask(self, program: str, arguments: list[str], *recordings: dict, given: dict | None = None,
-            against: dict | None = None) -> dict:
-        """The answer to a document of recordings, with calibration and instrument as given; with `against`, held against
-        the readings of another recording."""
+    def ask(self, program: str, arguments: list[str], *recordings: dict, given: dict | None = None, against: dict | None = None) -> dict:
+        """The answer to a document of recordings, with calibration and instrument as given; with `against`, held against the readings of
+        another recording."""
         with tempfile.TemporaryDirectory() as folder:
             def write(name: str, **content: object) -> str:
                 Path(folder, name).write_text(json.dumps({"fluxcal": 1, **content}))

@@ -66,8 +66,7 @@ class Series:
         return Series(self.frame.assign(time_s=self.time_s + (self.start_s - start_s)), start_s)
 
     def means(self, step_s: float, least: float = 0.9) -> Series:
-        """Means over blocks of the clock, at the middle of the block; blocks with less than the share `least` of the usual
-        number of rows are left out. A mean with a reading missing is missing."""
+        """Means over blocks of the clock, at their middle; blocks with less than the share `least` of the usual rows are left out."""
         block = np.floor(self.time_s / step_s)
         first = np.flatnonzero(np.diff(block, prepend=np.nan))
         number = np.diff(first, append=len(block))
@@ -81,19 +80,11 @@ class Series:
         return replace(self, frame=left.join(right.drop(columns="time_s"), how="inner").reset_index(drop=True))
 
     def at(self, times: np.ndarray) -> Series:
-        """The readings at other times, by straight lines between neighbours; missing outside, and where neighbours are more
-        than 1.5 of the usual step apart."""
+        """The readings at other times, by straight lines; missing outside, and between neighbours more than 1.5 usual steps apart."""
         own = self.time_s
-        after = np.clip(np.searchsorted(own, times), 1, len(own) - 1)
-        step = own[after] - own[after - 1]
-        share = (times - own[after - 1]) / step
-        usual = np.sort(np.diff(own))[(len(own) - 1) // 2]
-        there = (share >= 0) & (share <= 1) & ((step <= 1.5 * usual) | (share == 0) | (share == 1))
-
-        def line(values: np.ndarray) -> np.ndarray:
-            left, right = values[after - 1], values[after]
-            return np.where(share == 0, left, np.where(share == 1, right, left + share * (right - left)))
-        lines = {column: np.where(there, line(self[column]), np.nan) for column in self.frame}
+        steps, after = np.diff(own), np.clip(np.searchsorted(own, times), 1, len(own) - 1)
+        gap = (steps[after - 1] > 1.5 * np.sort(steps)[len(steps) // 2]) & (times != own[after])
+        lines = {column: np.where(gap, np.nan, np.interp(times, own, self[column], np.nan, np.nan)) for column in self.frame}
         return replace(self, frame=pd.DataFrame(lines | {"time_s": times}))
 
     def recording(self, id: str, procedure: str, **conditions: object) -> dict:
