@@ -20,7 +20,6 @@ The recordings are not in the repository. `python3 -m fluxcal_proof.recordings` 
 
 Which hosts answer `agrees` before anything is injected is for the scores to ask: others are told, and not used.
 """
-from .hosts import Host, hosts
-from .inject import STRENGTHS, Injection, inject, injections, suits
+from .hosts import STRENGTHS, Host, Injection, hosts, inject, injections, suits
 
 __all__ = ["STRENGTHS", "Host", "Injection", "hosts", "inject", "injections", "suits"]

@@ -17,7 +17,7 @@ SETS = {
     "vernadsky": lambda p, page: lengths.study(p, page, p.read("vernadsky").complete().means(60).split(DAY_S * 2 / 3), VERNADSKY_NT),
     "cobenzl-scalar": lengths.cobenzl, "w2naf": alone.w2naf, "marg-static": alone.marg, "marg-rotations": lengths.marg,
     "phone": lengths.phone, "marg-scalarcal": lengths.runs, "phone-scalarcal": lengths.runs, "quadrotor-scalarcal": lengths.michigan,
-    "square-wave": alone.square_wave, "gradiometer": alone.gradiometer, "certificates": alone.certificates,
+    "square-wave": alone.square_wave, "gradiometer": alone.gradiometer,
 }
 
 

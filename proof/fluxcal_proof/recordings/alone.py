@@ -1,6 +1,4 @@
-"""Instruments by themselves, fluxgates beside coils, and makers' certificates."""
-import re
-
+"""Instruments by themselves, and fluxgates beside coils."""
 import numpy as np
 import pandas as pd
 
@@ -11,7 +9,6 @@ from .series import AXES, Series, rms, scatter
 DRIVE_A = 2.5 / 21.5  # half of the stated 5 V from peak to peak over the stated 21.5 ohm
 LEVEL_NT = 100  # a reading belongs to a level of the square wave within so much
 NOISE_NT = 5.0  # what the readings of one level scatter by before the first switching
-ROUNDING_NT_PER_V = 1.5  # what rounding a resistor to 0.1 kohm and a scale to 0.1 nT/V makes at most
 
 
 def ask(programs: Programs, page: Page, name: str, series: Series) -> None:
@@ -101,23 +98,3 @@ def gradiometer(programs: Programs, page: Page) -> None:
         page.headline.append(f"{what}: {told[-1]}.")
         page.diagnosis(document)
     page.known.append((f"{told[1]} with the foil, {told[0]} of the empty holder", told[0] == "agrees" and told[1] != "agrees"))
-
-
-def certificates(programs: Programs, page: Page) -> None:
-    """Do the figures of four certificates agree with one another, and how large are real angles?"""
-    scales, angles, apart = [], [], []
-    for file in sorted(programs.data.glob("geonet-fge-constants/*.const.md")):
-        # The first and the third column of its table.
-        of = {name: float(value) for name, value in re.findall(r"^\|\s*(\S+)\s*\|[^|]*\|\s*(-?[\d.]+)\s*\|", file.read_text(), re.MULTILINE)}
-        name = file.name.removesuffix(".const.md")
-        for axis in "XYZ":
-            own, printed = of[f"{axis}-coil"] / of["res"], of.get(f"{axis}-scale")  # nT/mA over kohm is nT/V
-            apart += [printed - own] if printed else []
-            told = [f"{printed:.1f}", f"{round(printed - own, 1) + 0:+.1f}"] if printed else ["not printed", ""]
-            scales.append([f"{name} {axis}", f"{own:.1f}", *told])
-        angles.append([name, ", ".join(f"{of[f'ε{k}']:g}" for k in range(5))])
-    page.head("scales", printed=len(apart), agree=sum(abs(one) <= ROUNDING_NT_PER_V for one in apart))
-    page.table(["instrument", "coil over resistor, nT/V", "printed, nT/V", "apart, nT/V"], scales)
-    page.table(["instrument", "ε0 to ε4, mrad"], angles)
-    largest = max(abs(float(mrad)) for _, told in angles for mrad in told.split(", "))
-    page.tell("angle", mrad=largest, arcsec=round(largest * 206.265), nt=three(1e-3 * largest * 50_000))

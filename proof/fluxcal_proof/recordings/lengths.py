@@ -12,7 +12,8 @@ WAYS = {"a level and three slopes by plain least squares": by_hand.plane, "an el
 PLANE, ELLIPSOID = WAYS
 LEVEL = "the fitted part's level taken off"
 UNDETERMINED = "scalarcal refuses: the rotations do not determine the calibration"
-OUTLIER_NT, FARTHEST_NT = 20, 300  # of the proton magnetometer: of a difference, of a reading in a storm
+FARTHEST_NT = 300  # of a reading of the proton magnetometer from the middle one: a storm stays within
+CLOCKS_APART_S = 38  # what its log's clock is ahead of its own on 9 September, by the first line of the file
 RANGES = "the middles of the ranges"
 
 
@@ -99,57 +100,18 @@ def boulder_month(programs: Programs, page: Page) -> None:
     page.tell("adjusted", level=three(level), fitted=three(rms(fitted - level)), held_out=three(rms(held_out - level)))
 
 
-def clocks_apart_s(line: str) -> float:
-    """What the log's clock is ahead of the instrument's in a line `00:00:04  48520,3  0831235932`, s."""
-    log, _, instrument = line.replace(":", "").split()[:3]
-    hours, minutes, seconds = (int(log[k:k + 2]) - int(instrument[4 + k:6 + k]) for k in (0, 2, 4))
-    return (3600 * hours + 60 * minutes + seconds + 43_200) % 86_400 - 43_200
-
-
-def centred(proton: Series, shift_s: float = 0.0) -> Series:
-    """Means of a minute about the whole minute, as the DIDD gives them, of times that are moved."""
-    means = proton.assign(time_s=proton.time_s + shift_s + 30).means(60)
-    return means.assign(time_s=means.time_s - 30)
-
-
-def near(values: np.ndarray, within_nt: float) -> np.ndarray:
-    """Which are near the middle one."""
-    return np.abs(values - np.sort(values)[np.isfinite(values).sum() // 2]) < within_nt
-
-
 def cobenzl(programs: Programs, page: Page) -> None:
-    """A proton magnetometer against the DIDD's own total field, by shifts of its clock; then two days by diagnose."""
-    didd = programs.read("didd")
-    vector, total = didd.only("sensor"), Series(didd.frame[["time_s"]].assign(didd_nt=didd["reference_nt"]), didd.start_s)
+    """A proton magnetometer beside another instrument, two days by the log's clock; then diagnose, by the magnetometer's own clock."""
+    vector = programs.read("didd").only("sensor")
 
-    def apart_nt(proton: Series, shift_s: float) -> float:
-        both = total.joined(centred(proton, shift_s))
-        nt = both["didd_nt"] - both["reference_nt"]
-        return scatter(nt[near(nt, OUTLIER_NT)])
-
-    def joined(proton: Series) -> Series:
-        return vector.joined(centred(proton.rows(near(proton["reference_nt"], FARTHEST_NT)))).complete()
-    days, rows, fits = {}, [], 0
-    for day, file in enumerate(sorted(programs.data.glob("wik-cobenzl-2011-09a/pmag/*.txt")), start=1):
-        try:
-            proton = programs.ingest([file], "ingest/real/proton").on_clock(didd.start_s)
-        except Refused as refusal:
-            page.say(f"{day} September:")
-            page.refused(refusal)
-            continue
-        apart_s = clocks_apart_s(file.read_text().splitlines()[0])
-        nt, own = {shift: apart_nt(proton, shift) for shift in range(-60, 61, 5)}, apart_nt(proton, -apart_s)
-        best = min(nt, key=nt.get)
-        days[day], fits = (proton, apart_s), fits + (own > nt[0])
-        rows.append([f"{day} September", f"{apart_s:+.0f}", three(nt[0]), three(own), f"{three(nt[best])} at {best:+d} s"])
-    page.tell("shifts", outlier=OUTLIER_NT)
-    page.table(["day", "log less instrument, s", "by the log, nT", "by the instrument, nT", "least of all shifts"], rows)
-    page.head("log_agrees", fits=fits, days=len(rows))
-    page.tell("log_fits", fits=fits, days=len(rows))
-    study(programs, page, (joined(days[9][0]), joined(days[10][0])))
-    proton, apart_s = days[9]
-    by_its_clock = joined(proton.assign(time_s=proton.time_s - apart_s)).recording("vector-scalar", "free_run")
-    document = programs.ask("diagnose", [], by_its_clock)
+    def joined(day: int, late_s: float = 0.0) -> Series:
+        """Means of a minute about the whole minute, without readings that no storm makes."""
+        proton = programs.read(f"proton-{day}").on_clock(vector.start_s)
+        proton = proton.rows(np.abs(proton["reference_nt"] - np.median(proton["reference_nt"])) < FARTHEST_NT)
+        means = proton.assign(time_s=proton.time_s - late_s + 30).means(60)
+        return vector.joined(means.assign(time_s=means.time_s - 30)).complete()
+    study(programs, page, (joined(9), joined(10)))
+    document = programs.ask("diagnose", [], joined(9, CLOCKS_APART_S).recording("vector-scalar", "free_run"))
     clocks = [one["parameters"]["offset_s"] for one in document["diagnosis"][0].get("effects", []) if one["effect"] == "clock_offset"]
     page.known.append((f"`clock_offset` {quantity(clocks[0])} s" if clocks else "no clock named", bool(clocks)))
 
@@ -232,23 +194,18 @@ def predict(programs: Programs, page: Page, names: tuple[str, str], fitted: Seri
     return [*names, f"{way}: {three(100 * hand)}", told, how]
 
 
-def by_turns(page: Page, halves: list[Prediction]) -> None:
-    """Two halves that predict each other: where one is worse, that the two together are better, if they are."""
-    told = [[one.by_hand_nt[0], np.inf if one.programs_nt is None else one.programs_nt[0]] for one in halves]
-    hand, programs = np.hypot(*told)
-    for one, other in zip(halves, told[::-1]):
-        if programs < hand and not one.why:
-            one.why = page.words["turns"].format(hand=three(other[0]), programs=three(other[1]))
-
-
-def by_turns_of(programs: Programs, page: Page, runs: dict[str, Series], size_nt: float | None = None, pairs: bool = True) -> None:
+def by_turns(programs: Programs, page: Page, runs: dict[str, Series], size_nt: float | None = None, pairs: bool = True) -> None:
     """Halves of each run by turns; then the first run and each other."""
-    (alone, first), *others = runs.items()
-    rows = []
+    ((alone, first), *others), rows = runs.items(), []
     for what, run in runs.items():
         halves, names = run.split(share=0.5), (f"{what}, first half", f"{what}, second half")
         rows += [predict(programs, page, names[::way], *halves[::way], size_nt) for way in (1, -1)]
-        by_turns(page, page.predictions[-2:])
+        # Where one is worse: that the two together are better, if they are.
+        told = [[one.by_hand_nt[0], np.inf if one.programs_nt is None else one.programs_nt[0]] for one in page.predictions[-2:]]
+        hand, together = np.hypot(*told)
+        for one, other in zip(page.predictions[-2:], told[::-1]):
+            if together < hand and not one.why:
+                one.why = page.words["turns"].format(hand=three(other[0]), programs=three(other[1]))
     for what, other in others * pairs:
         names, parts = (alone, what), (first, other)
         rows += [predict(programs, page, names[::way], *parts[::way], size_nt, page.words["between"]) for way in (1, -1)]
@@ -258,12 +215,12 @@ def by_turns_of(programs: Programs, page: Page, runs: dict[str, Series], size_nt
 
 def runs(programs: Programs, page: Page) -> None:
     for names in page.words["runs"]:
-        by_turns_of(programs, page, {name: programs.read(name).only("sensor") for name in names}, page.words.get("magnitude_nt"))
+        by_turns(programs, page, {name: programs.read(name).only("sensor") for name in names}, page.words.get("magnitude_nt"))
 
 
 def michigan(programs: Programs, page: Page) -> None:
     """Two magnetometers of a quadrotor, and one that was to fly on a balloon."""
     both, balloon = programs.read("quadrotor"), programs.read("balloon-on-ground")
-    by_turns_of(programs, page, {
+    by_turns(programs, page, {
         "quadrotor, RM3100": both.only("test", "sensor"), "quadrotor, autopilot": both.only("reference", "sensor"),
         "balloon before the flight, RM3100": balloon.only("sensor").complete()}, pairs=False)

@@ -56,13 +56,6 @@ def verdict(document: dict) -> str:
     return entry["verdict"].replace("_", " ") + (f" ({names})" if names else "")
 
 
-def thin(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The least and the greatest of each bin of x, in order: peaks survive."""
-    parts = np.split(np.arange(len(x)), np.searchsorted(x, np.linspace(x[0], x[-1], BINS + 1)[1:-1]))
-    rows = sorted({part[row] for part in parts if len(part) for row in (np.argmin(y[part]), np.argmax(y[part]))})
-    return x[rows], y[rows]
-
-
 @dataclass
 class Prediction:
     """What is left of a part held out, about its own mean, nT: by hand and by the programs, each component."""
@@ -119,12 +112,15 @@ class Page:
         dashed line is where the part held out begins. The same readings give the same bytes."""
         if "plot" not in self.words:
             return
+        x = np.concatenate(hours)
+        bins = [rows for rows in np.split(np.arange(len(x)), np.searchsorted(x, np.linspace(x[0], x[-1], BINS + 1)[1:-1])) if len(rows)]
         with rc_context(STYLE):
             figure, text = Figure((7.2, 0.8 + 1.1 * len(panels)), layout="constrained"), io.StringIO()
             axes = figure.subplots(len(panels), sharex=True, squeeze=False)[:, 0]
             for axis, (label, lines) in zip(axes, panels.items()):
-                for colour, (name, values) in zip(("#c2410c", "#1d4ed8", "#15803d"), lines.items()):
-                    axis.plot(*thin(np.concatenate(hours), values), color=colour, label=name)
+                for colour, (name, y) in zip(("#c2410c", "#1d4ed8", "#15803d"), lines.items()):
+                    peaks = sorted({rows[k] for rows in bins for k in (np.argmin(y[rows]), np.argmax(y[rows]))})
+                    axis.plot(x[peaks], y[peaks], color=colour, label=name)
                 axis.axvline(hours[1][0], color="#666", linestyle="--")
                 axis.set_ylabel(label)
             axes[0].set_title(self.words["plot_title"].format(held_out=self.words["parts"][1]), fontsize=8, loc="left")
