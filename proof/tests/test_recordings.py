@@ -7,13 +7,10 @@ from fluxcal_proof.recordings import STRENGTHS, Host, by_hand, injections, suits
 from fluxcal_proof.recordings.__main__ import SETS, run, whole
 from fluxcal_proof.recordings.alone import drive
 from fluxcal_proof.recordings.page import figures, plus_minus, three
-from fluxcal_proof.recordings.programs import Programs
-from fluxcal_proof.recordings.series import Series, relaxed, rms
+from fluxcal_proof.recordings.programs import Programs, Series, relaxed, rms
 
-RNG = np.random.default_rng(1)
-T = 60.0 * np.arange(1500)
-NOISE = 0.1 * RNG.normal(size=(len(T), 3))
-LEVEL = np.array([20_000, 300, 43_000.0])
+T, LEVEL = 60.0 * np.arange(1500), np.array([20_000, 300, 43_000.0])
+NOISE = 0.1 * np.random.default_rng(1).normal(size=(len(T), 3))
 
 
 def columns(instrument: str, vectors: np.ndarray) -> dict[str, np.ndarray]:

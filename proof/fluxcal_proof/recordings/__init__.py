@@ -2,7 +2,7 @@
 
 The recordings are not in the repository. `python3 -m fluxcal_proof.recordings` writes the page (docs/proof/real.md). Scores use the hosts:
 
-    hosts(data, programs)    -> list[Host]: recordings at rest, read by `ingest`; those whose folder is missing are left out with a line
+    hosts(data, programs)    -> list[Host]: recordings at rest, read by `ingest`; of a missing folder one line is printed
         Host.name, .words, .source    which recording, how it was cut, where it comes from
         Host.kind                     "pair" (two vectors), "ambient" (a vector in a known field), "scalar" (a vector beside a scalar
                                       magnetometer) or "single"

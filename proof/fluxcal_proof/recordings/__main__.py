@@ -3,10 +3,9 @@ import argparse
 from pathlib import Path
 
 from . import alone, lengths, pairs
-from .page import Page
-from .programs import TOML, Programs, Refused
 from .lengths import CONRAD_NT, VERNADSKY_NT
-from .series import DAY_S
+from .page import Page
+from .programs import DAY_S, TOML, Programs, Refused
 
 # All sets, in the order of the page; what is said of them and where their files are is in sets.toml.
 SETS = {

@@ -3,12 +3,10 @@ import numpy as np
 import pandas as pd
 
 from .page import Page, each, number, plus_minus, three, verdict
-from .programs import Programs, Refused
-from .series import AXES, Series, rms, scatter
+from .programs import AXES, Programs, Refused, Series, rms, scatter
 
 DRIVE_A = 2.5 / 21.5  # half of the stated 5 V from peak to peak over the stated 21.5 ohm
 LEVEL_NT = 100  # a reading belongs to a level of the square wave within so much
-NOISE_NT = 5.0  # what the readings of one level scatter by before the first switching
 
 
 def ask(programs: Programs, page: Page, name: str, series: Series) -> None:
@@ -45,8 +43,7 @@ def marg(programs: Programs, page: Page) -> None:
 
 
 def drive(z: np.ndarray) -> np.ndarray:
-    """The drive of the square wave, A, which was not recorded: its sign is taken from z, and it is unknown beside a switching.
-    The first row, an artefact, has its sign and says nothing of its neighbour."""
+    """The drive, A, which was not recorded: its sign is taken from z; unknown beside a switching. The first row is an artefact."""
     low, high = np.sort(z)[[len(z) // 10, -1 - len(z) // 10]]
     sign = np.where(z > (low + high) / 2, 1.0, -1.0)
     level = np.where(np.abs(z - np.where(sign > 0, high, low)) < LEVEL_NT, sign, 0)
@@ -68,7 +65,7 @@ def square_wave(programs: Programs, page: Page) -> None:
     ambient = {f"ambient_{axis}_nt": series[f"sensor_{axis}_nt"][1:].mean() for axis in AXES}
     driven = series.assign(coil_z_a=current, **ambient).recording("square", "free_run")
     coil = {"calibration": {"coils": {"z": {"constant_nt_per_a": 3000.0}}}}
-    noise = {"instrument": {"noise": {"white_rms_nt": NOISE_NT}}}
+    noise = {"instrument": {"noise": {"white_rms_nt": 5.0}}}
     for what, given in [("With a scatter of 5 nT declared", coil | noise), ("Without any noise declared", coil)]:
         page.say(f"{what}:")
         document = programs.ask("diagnose", [], driven, given=given)

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .series import Series, scatter
+from .programs import Series, scatter
 
 TEMPERATURE = "sensor_temperature_c"
 Columns = Callable[[Series], list[np.ndarray]]
@@ -34,16 +34,12 @@ def test(series: Series) -> np.ndarray:
     return series.vectors("test")
 
 
-def scatter_of(one: np.ndarray | None) -> np.ndarray:
-    return np.full(3, np.inf) if one is None else scatter(one)
-
-
 def lag(fitted: SideBySide) -> float:
-    """The lag, s, of least scatter of what a 3×3 matrix with an offset leaves, each axis over its scatter without a lag: within three
-    steps, to a twentieth of a step."""
+    """The lag, s, of least scatter with a 3×3 matrix and offset, each axis over that without: within three steps, to 1/20."""
     def by(late_s: float) -> np.ndarray:
         series = fitted(late_s)
-        return scatter_of(left(affine("reference"), test, series, series))
+        one = left(affine("reference"), test, series, series)
+        return np.full(3, np.inf) if one is None else scatter(one)
     time, without, late_s = fitted(0.0).time_s, by(0.0), 0.0
     step_s = np.ptp(time) / (len(time) - 1) if np.isfinite(without).all() else 0.0
     for places in (0.5 * np.arange(-6, 7), 0.05 * np.arange(-10, 11)):
@@ -65,7 +61,8 @@ def best_of_pair(fitted: SideBySide, held_out: SideBySide, late_s: float = 0.0) 
     tried, predicted = [], []
     for _, late, columns, y in ways:
         whole = fitted(late)
-        tried.append(scatter_of(left(columns, y, *whole.split(share=2 / 3))))
+        one = left(columns, y, *whole.split(share=2 / 3))
+        tried.append(np.full(3, np.inf) if one is None else scatter(one))
         predicted.append(left(columns, y, whole, held_out(late)))
     chosen = np.argmin(tried, axis=0)
     return [ways[k][0] for k in chosen], [predicted[k][:, axis] for axis, k in enumerate(chosen)]
@@ -77,8 +74,7 @@ def mismatch(series: Series, offset_nt: np.ndarray | float, instrument: str = "s
 
 
 def plane(fitted: Series, part: Series, offset_nt: np.ndarray) -> np.ndarray | None:
-    """What a level and slopes along the three readings leave of the mismatch: all that nine constants do to |B|, to first order, where
-    the field points one way."""
+    """What is left of it by a level and three slopes: to first order all that nine constants do where the field points one way."""
     return left(affine("sensor"), lambda series: mismatch(series, offset_nt), fitted, part)
 
 

@@ -1,9 +1,7 @@
 """Real recordings at rest as hosts for injected effects, and effects that act in what was recorded.
 
-Nobody chooses by what is found in them later: of each instrument that lay still, the quiet stretches that its notes name, whole days or
-nights. Physics is from published equations; fields between readings are cubic splines through them, temperatures straight lines. Most
-members are a little finer than the catalogue's equation (two poles, two bodies, a ring after a spike): what is found is not what the finder
-itself would have added.
+Nobody chooses by what is found in them later: of each instrument that lay still, the quiet stretches that its notes name. Physics is from
+published equations, most a little finer than the catalogue's; fields between readings are cubic splines, temperatures straight lines.
 """
 from collections.abc import Callable
 from pathlib import Path
@@ -13,17 +11,15 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from . import alone, lengths, pairs
-from .by_hand import least_squares, left, affine, test
-from .programs import TOML, Programs
+from .by_hand import affine, least_squares, left, test
 from .lengths import CONRAD_NT, NONE, VERNADSKY_NT
-from .series import AXES, DAY_S, Series, relaxed, rms
+from .programs import AXES, DAY_S, TOML, Programs, Series, relaxed, rms
 
 STRENGTHS = (3.0, 1.0, 10.0, 0.3)  # times the scatter of the host
 CLOSE = 0.1  # accepted departure from the wanted strength
 LEAST_LEFT = 0.05  # a fresh calibration leaves at least so much of the changes of an effect
 LEAST_ALONG = 0.1  # least share of the field in the sensor, where the length alone is seen
 MOST_NT = 60_000.0  # the most that may be added to a reading
-TRIES = 12
 COBENZL_EARLY_S = 18.38  # what the LEMI stamps its minutes too early by: diffmag --correct-clock over twelve days
 
 
@@ -69,8 +65,7 @@ class Host:
         return float(rms(self._without_constants(added)).max())
 
     def with_added(self, nt: np.ndarray) -> dict:
-        """The document with something added to the readings; those that were read code by code are codes again, and what nothing was
-        added to stays as it was printed."""
+        """The document with something added; what was read code by code is codes again, and the rest stays as it was printed."""
         code = self.code_nt or 1e-6
         sums = np.where(nt == 0, self.readings, np.round(np.round((self.readings + nt) / code) * code, 9))
         recording = self.document["recordings"][0]
@@ -79,8 +74,7 @@ class Host:
 
     @property
     def has(self) -> set[str]:
-        """What members may need: a field that is known as it moves, a second vector, a temperature that moves by 0.1 K, a day with its
-        night, or a reading each ten seconds, for a vehicle that passes in a minute."""
+        """What members may need: a field that is known as it moves, a kind, a temperature that moves, a whole day, or quick readings."""
         rules = {"field": self.kind != "single", "day": np.ptp(self.time_s) > 85_000 and self.series.start_s > 0,
                  "quick": np.median(np.diff(self.time_s)) <= 10}
         rules |= {name: np.ptp(self.series[name]) > 0.1 for name in self.series.frame if name.endswith("temperature_c")}
@@ -172,9 +166,6 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
         fast = host.fields - np.column_stack([relaxed(t, one, 0.3 * tau) for one in host.fields.T])
         return s * fast @ (vector[:, None] * [0.2, 0.2, 1.0])
 
-    def two_bodies(x: np.ndarray) -> np.ndarray:
-        return 0.9 * relaxed(t, x, tau) + 0.1 * relaxed(t, x, 0.2 * tau)
-
     def works(s: float) -> np.ndarray:
         moment = host.series.start_s + host.time_s
         return s * np.outer(np.clip(2 * (5 - np.abs(moment / 3600 % 24 - 12)), 0, 1) * ((moment // DAY_S + 3) % 7 < 5), vector)
@@ -196,8 +187,7 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
         "clock_rate": Effect(late, field, lambda s: moved(1e-6 * s * t * (0.95 + 0.1 * t / span)), lambda s: {"rate_ppm": s}),
         # δ = s C (B − L), τ dL/dt = B − L, the vertical most: Parkinson 1959, Geophys. J. 2, 1.
         "induction_difference": Effect(late, {"pair"}, induced, lambda s: {"time_constant_s": 0.3 * tau}),
-        # δ = s exp(−t/τ), a tenth of it in a quicker body; s a day, slower by a tenth at the end; s from a moment on: Jankowski and
-        # Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice, as of steps, spikes and gaps below.
+        # δ = s exp(−t/τ), a tenth quicker; s t, slower at the end; s from a moment on: Jankowski and Sucksdorff 1996, IAGA Guide.
         "warm_up": Effect(time, set(), lambda s: s * (0.9 * np.exp(-t / tau) + 0.1 * np.exp(-5 * t / tau)),
                           lambda s: {"amplitude_nt": s, "time_constant_s": tau}),
         "ageing": Effect(time, set(), lambda s: s / DAY_S * (t - 0.05 * t**2 / span), lambda s: {"rate_nt_per_day": s}),
@@ -222,7 +212,7 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
             warm = host.series[column] - host.series[column].mean()
             members[name] = Effect(follows, {column}, lambda s, x=warm: s * (x + 0.02 * x**2 / np.abs(x).max()),
                                    lambda s: {"coefficient_nt_per_k": s})
-            members[f"{name}_lag"] = Effect(follows, {column}, lambda s, x=warm: s * two_bodies(x),
+            members[f"{name}_lag"] = Effect(follows, {column}, lambda s, x=warm: s * (0.9 * relaxed(t, x, tau) + 0.1 * relaxed(t, x, tau / 5)),
                                             lambda s: {"coefficient_nt_per_k": s, "lag_s": tau})
     return {name: one for name, one in members.items() if one.needs <= host.has}
 
@@ -230,7 +220,7 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
 def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> Injection | None:
     """An effect of so many times the scatter of the host; None where it does not show there, or cannot be reached."""
     wanted_nt, along, blind = strength * host.scatter_nt, np.abs(host.fields.mean(axis=0)), host.kind == "scalar"
-    for _ in range(TRIES):
+    for _ in range(12):  # sensors and moments are drawn until one shows
         sensor, size = int(rng.integers(3)), 1.0
         effect = effects(host, sensor, rng)[name]
         one = effect.act(size).ndim == 1
@@ -243,8 +233,7 @@ def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> 
         sees = not (blind and one) or along[sensor] >= LEAST_ALONG * np.linalg.norm(along)
         shows = left_nt >= LEAST_LEFT * nt.std(axis=0).max() and np.abs(nt).max() <= MOST_NT
         if sees and shows and abs(left_nt / wanted_nt - 1) < CLOSE:
-            # The length of a vector that points one way does not tell in which sensor something is: there the name is right on any of them
-            # and without one, and parameters that grow with the size say nothing.
+            # The length of a vector that points one way shows no sensor, nor sizes: a name is right on any of them and without one.
             sensors, own, twice = [AXES[sensor]] if one and not blind else [], effect.parameters(size), effect.parameters(2 * size)
             targets = ["", *AXES] if blind else sensors or [""]
             return Injection(host.with_added(nt), {

@@ -4,8 +4,7 @@ import numpy as np
 from . import by_hand
 from .by_hand import mismatch
 from .page import Page, Prediction, plus_minus, quantity, three, verdict
-from .programs import Programs, Refused
-from .series import AXES, DAY_S, Series, rms, scatter
+from .programs import AXES, DAY_S, Programs, Refused, Series, rms, scatter
 
 NONE, CONRAD_NT, VERNADSKY_NT = np.zeros(3), np.array([20_680.0, 0.0, 43_450.0]), np.array([19_777.5, 5_570.0, -31_837.5])  # compensations
 WAYS = {"a level and three slopes by plain least squares": by_hand.plane, "an ellipsoid by plain least squares": by_hand.ellipsoid}
@@ -155,8 +154,7 @@ def spread(magnitudes: np.ndarray | None) -> float:
 
 
 def best_by_hand(fitted: Series, part: Series) -> tuple[str, float]:
-    """The way that predicts the last third of the fitted part best from its first two thirds, and the spread of the magnitude that it
-    leaves of another part."""
+    """The way that predicts the last third of the fitted part best from the rest, and the spread that it leaves of another part."""
     def by(way: str, fitted: Series, part: Series) -> float:
         return spread(about_middle(fitted, part) if way == RANGES else by_hand.magnitudes(way, fitted, part, -middle(fitted)))
     tried = {way: by(way, *fitted.split(share=2 / 3)) for way in (RANGES, *by_hand.SHAPES) if np.isfinite(by(way, fitted, part))}

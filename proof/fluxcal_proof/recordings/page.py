@@ -6,7 +6,6 @@ from math import floor, log10
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from .programs import Refused
@@ -126,7 +125,7 @@ class Page:
             axes[0].set_title(self.words["plot_title"].format(held_out=self.words["parts"][1]), fontsize=8, loc="left")
             axes[-1].set_xlabel("time, h")
             axes[-1].legend(fontsize=7, ncols=3, loc="upper left", frameon=False)
-            FigureCanvasSVG(figure).print_svg(text, metadata={"Date": None, "Creator": None})
+            figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
         self.plots[self.words["plot"]] = text.getvalue()
         self.say(f"![what is left before and after]({self.words['plot']})")
 

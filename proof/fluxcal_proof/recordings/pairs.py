@@ -6,8 +6,7 @@ import numpy as np
 from . import by_hand
 from .by_hand import TEMPERATURE
 from .page import Page, Prediction, each, number, plus_minus, quantity, three, verdict
-from .programs import Programs
-from .series import AXES, DAY_S, Series, relaxed, rms, scatter
+from .programs import AXES, DAY_S, Programs, Series, relaxed, rms, scatter
 
 Part = tuple[Series, Series]  # readings of the reference (`reference_*_nt`) and of the test instrument (`test_*_nt`)
 PRINTED_NT = 0.0041  # standard uncertainty of the difference of two readings that are each printed to 0.01 nT
@@ -76,8 +75,7 @@ class Matrix:
 
 
 def side_by_side(part: Part, late_s: float, rate: float = 0.0, middle_s: float = 0.0) -> Series:
-    """Both at the test instrument's own times; the reference's readings are where it was when the test instrument's clock said so much
-    more."""
+    """Both at the test instrument's own times, whose clock is late by so much: the reference is read that much earlier."""
     reference, test = part[0], part[1].on_clock(part[0].start_s)
     late = late_s + rate * (test.time_s - middle_s)
     return reference.at(test.time_s - late).assign(time_s=test.time_s).joined(test).complete()
