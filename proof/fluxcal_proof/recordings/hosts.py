@@ -157,6 +157,7 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
     t, b, m, rows = host.time_s - host.time_s[0], host.fields[:, sensor], host.readings[:, sensor], np.arange(host.rows)
     span, step, row = t[-1], np.median(np.diff(t)), int(host.rows * rng.uniform(0.2, 0.8))
     tau, at, sign, vector, turns = span * rng.uniform(0.05, 0.25), host.time_s[row], rng.choice([-1, 1]), rng.normal(size=3), rng.uniform(3, 8)
+    along, across = np.linalg.qr(rng.normal(size=(3, 2)))[0].T
 
     def moved(late_s: np.ndarray | float) -> np.ndarray:
         """The fields so much earlier, less the fields; held before the first reading."""
@@ -171,17 +172,15 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
         return s * np.outer(np.clip(2 * (5 - np.abs(moment / 3600 % 24 - 12)), 0, 1) * ((moment // DAY_S + 3) % 7 < 5), vector)
 
     def passes(s: float) -> np.ndarray:
-        along, across = np.linalg.qr(np.outer(vector, [1, 0]) + [[0, 1], [0, 0], [0, turns]])[0].T
         r = np.outer((host.time_s - at) / (2 * turns * step), along) + across
         length = np.linalg.norm(r, axis=1)[:, None]
         return s * (3 * (r @ vector)[:, None] * r / length**5 - vector / length**3)
     late, follows, time, moments, field = "late_response", "follows_column", "time", "moments", {"field"}
-    both = lambda s: {"lag_s": s, "delay_s": s}  # noqa: E731
     members = {
         # Two equal poles of s in sum: Auster et al. 2008, Space Sci. Rev. 141, 235.
-        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, b, s / 2), s / 2) - b, both, ("delay",)),
+        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, b, s / 2), s / 2) - b, lambda s: {"lag_s": s, "delay_s": s}, ("delay",)),
         # δ = B(t − s) − B(t): Primdahl 1979, J. Phys. E 12, 241; of all sensors: INTERMAGNET Technical Reference Manual.
-        "delay": Effect(late, field, lambda s: moved(s)[:, sensor], both, ("loop_bandwidth",)),
+        "delay": Effect(late, field, lambda s: moved(s)[:, sensor], lambda s: {"lag_s": s, "delay_s": s}, ("loop_bandwidth",)),
         "clock_offset": Effect(late, field, lambda s: moved(sign * s), lambda s: {"offset_s": sign * s}),
         # δ = B(t − r t) − B(t); r, s ppm, grows by a tenth as the quartz warms: Vig 1992, quartz frequency standards.
         "clock_rate": Effect(late, field, lambda s: moved(1e-6 * s * t * (0.95 + 0.1 * t / span)), lambda s: {"rate_ppm": s}),

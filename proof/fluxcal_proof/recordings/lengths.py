@@ -162,10 +162,11 @@ def best_by_hand(fitted: Series, part: Series) -> tuple[str, float]:
     return way, by(way, fitted, part)
 
 
-def predict(programs: Programs, page: Page, names: tuple[str, str], fitted: Series, part: Series, size_nt: float | None,
+def predict(programs: Programs, page: Page, fitted_run: tuple[str, Series], part_run: tuple[str, Series], size_nt: float | None,
             why: str = "") -> list[str]:
     """scalarcal as a user would run it, as it is and where it refuses as its own words say, with what data sheets of small magnetometers
     promise (5 %, and a degree): a row of the table of one part that predicts another, and a prediction."""
+    names, (fitted, part) = zip(fitted_run, part_run)
     way, hand = best_by_hand(fitted, part)
     arguments, how = [] if size_nt else ["--constant-magnitude"], "as it is"
     turned = fitted.recording("turned", "free_run", **{"magnitude_nt": size_nt} if size_nt else {})
@@ -194,19 +195,18 @@ def predict(programs: Programs, page: Page, names: tuple[str, str], fitted: Seri
 
 def by_turns(programs: Programs, page: Page, runs: dict[str, Series], size_nt: float | None = None, pairs: bool = True) -> None:
     """Halves of each run by turns; then the first run and each other."""
-    ((alone, first), *others), rows = runs.items(), []
+    (alone, *others), rows = runs.items(), []
     for what, run in runs.items():
-        halves, names = run.split(share=0.5), (f"{what}, first half", f"{what}, second half")
-        rows += [predict(programs, page, names[::way], *halves[::way], size_nt) for way in (1, -1)]
+        first, last = zip((f"{what}, first half", f"{what}, second half"), run.split(share=0.5))
+        rows += [predict(programs, page, *by, size_nt) for by in ((first, last), (last, first))]
         # Where one is worse: that the two together are better, if they are.
         told = [[one.by_hand_nt[0], np.inf if one.programs_nt is None else one.programs_nt[0]] for one in page.predictions[-2:]]
         hand, together = np.hypot(*told)
         for one, other in zip(page.predictions[-2:], told[::-1]):
             if together < hand and not one.why:
                 one.why = page.words["turns"].format(hand=three(other[0]), programs=three(other[1]))
-    for what, other in others * pairs:
-        names, parts = (alone, what), (first, other)
-        rows += [predict(programs, page, names[::way], *parts[::way], size_nt, page.words["between"]) for way in (1, -1)]
+    for other in others if pairs else []:
+        rows += [predict(programs, page, *by, size_nt, page.words["between"]) for by in ((alone, other), (other, alone))]
     page.table(["fitted", "held out", "best by hand: spread of the magnitude, % of its mean", "scalarcal and correct, %",
                 "how scalarcal was run"], rows)
 

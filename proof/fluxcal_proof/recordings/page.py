@@ -119,12 +119,13 @@ class Page:
             for axis, (label, lines) in zip(axes, panels.items()):
                 for colour, (name, y) in zip(("#c2410c", "#1d4ed8", "#15803d"), lines.items()):
                     peaks = sorted({rows[k] for rows in bins for k in (np.argmin(y[rows]), np.argmax(y[rows]))})
-                    axis.plot(x[peaks], y[peaks], color=colour, label=name)
+                    gaps = 1 + np.flatnonzero(np.diff(x[peaks]) > np.ptp(x) / 20)
+                    axis.plot(*(np.insert(of[peaks], gaps, np.nan) for of in (x, y)), color=colour, label=name)
                 axis.axvline(hours[1][0], color="#666", linestyle="--")
                 axis.set_ylabel(label)
             axes[0].set_title(self.words["plot_title"].format(held_out=self.words["parts"][1]), fontsize=8, loc="left")
             axes[-1].set_xlabel("time, h")
-            axes[-1].legend(fontsize=7, ncols=3, loc="upper left", frameon=False)
+            figure.legend(*axes[0].get_legend_handles_labels(), fontsize=6, ncols=3, loc="outside lower left", frameon=False)
             figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None})
         self.plots[self.words["plot"]] = text.getvalue()
         self.say(f"![what is left before and after]({self.words['plot']})")
