@@ -6,7 +6,7 @@ import json
 import sys
 from pathlib import Path
 
-from . import answer, cases, folder, score, table
+from . import answer, cases, folder, page, score, table
 
 
 def main() -> int:
@@ -25,6 +25,7 @@ def main() -> int:
     reply.add_argument("--timeout", type=float, default=60.0, help="seconds for an answer")
     opened = steps.add_parser("score", help="open the truths and score the answers")
     opened.add_argument("folder", type=Path)
+    opened.add_argument("-o", "--output", type=Path, help="write the page here")
     one = steps.add_parser("case", help="make one case again")
     one.add_argument("--seed", type=int, required=True)
     one.add_argument("--number", type=int, required=True)
@@ -37,8 +38,10 @@ def main() -> int:
         elif options.step == "answer":
             answer.all_of(options.folder, options.programs, options.timeout)
         elif options.step == "score":
-            _, outcomes = score.outcomes(options.folder)
-            print(table.of(outcomes))
+            scored = score.read(options.folder)
+            print(table.of(scored.diagnose))
+            if options.output:
+                page.write(scored, options.output)
         else:
             case = cases.make(options.seed, options.number, options.set)
             options.output.write_text(json.dumps(case.document))

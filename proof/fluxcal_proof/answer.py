@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from . import folder as rounds
+from . import rivals
 
 # Large parts of an answer that no score reads.
 LEFT_OUT = ("series", "energy", "detectable", "experiments")
@@ -36,6 +37,11 @@ def readings(document: dict[str, Any]) -> np.ndarray:
     return np.concatenate([np.array(part, float) for part in parts])
 
 
+def coils(document: dict[str, Any]) -> bool:
+    """Whether it is a campaign in coils, whose readings can be predicted."""
+    return "axes" in document.get("calibration", {})
+
+
 def replayed(document: dict[str, Any], programs: Path, place: Path, timeout: float) -> np.ndarray | None:
     """What an answer's calibration and model predict."""
     place.write_text(json.dumps(document))
@@ -55,16 +61,14 @@ def one(job: Job) -> tuple[str, float]:
     place, predictions = folder / "answers" / f"{name}.work.json", {}
     if document:
         answer["entry"] = {k: v for k, v in document["diagnosis"][0].items() if k not in LEFT_OUT}
-        if not pair:
+        if coils(given):
             predictions["diagnose"] = replayed(document, programs, place, timeout)
-            if answer["entry"]["verdict"] in ("unexplained", "partly_explained", "ambiguous"):
-                more, answer["empirical_seconds"], _ = run([str(programs / "diagnose"), "-q", "--empirical", str(path)], timeout)
+            if answer["entry"]["verdict"] in ("unexplained", "partly_explained"):
+                more, answer["empirical_seconds"], _ = run([str(programs / "diagnose"), "-q", "--empirical", "--refit", str(path)], timeout)
                 predictions["empirical"] = replayed(more, programs, place, timeout) if more else None
     if pair:
         document, answer["diffmag_seconds"], answer["diffmag_why_not"] = run([str(programs / "diffmag"), "-q", "--correct-clock", str(path)], timeout)
         answer["diffmag"] = document["calibration"]["differential"]["fit"] if document else None
-    from . import rivals
-
     answer["rivals"] = rivals.all_of(given)
     np.savez_compressed(folder / "answers" / f"{name}.npz", **{k: v for k, v in predictions.items() if v is not None})
     (folder / "answers" / f"{name}.json").write_text(json.dumps(answer))

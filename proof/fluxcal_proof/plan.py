@@ -9,9 +9,9 @@ import numpy as np
 PATTERN = "SpVSpCSpUSpSVpSpCSUpSpSVpCSpUD"
 SORTS = {"p": "pair", "S": "single", "V": "several", "C": "clean", "U": "unnamed", "D": "undecidable"}
 STRENGTHS = (1.0, 3.0, 0.3, 10.0, 100.0)
-# One of fifty cases, a pair, is a day of seconds; of the others so many have so many rows.
-DAY_EVERY, DAY_ROWS = 50, 86_400
-LENGTHS = ((0.74, 500, 1500), (0.21, 1500, 4000), (0.04, 4000, 12_000), (0.01, 12_000, 30_000))
+# One of sixteen pairs, twenty of a thousand cases, is a day of seconds; of the others so many have so many rows.
+DAY_EVERY, DAY_ROWS = 16, 86_400
+LENGTHS = ((0.86, 500, 1000), (0.11, 1000, 4000), (0.02, 4000, 12_000), (0.01, 12_000, 30_000))
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ def spec(number: int) -> Spec:
     letter = PATTERN[number % len(PATTERN)]
     whole = number // len(PATTERN) * PATTERN.count(letter)
     index = whole + PATTERN[: number % len(PATTERN)].count(letter)
-    day = letter == "p" and number % DAY_EVERY in (PATTERN.index("p"), (PATTERN.index("p") + len(PATTERN)) % DAY_EVERY, 11)
-    return Spec(number, SORTS[letter], index, day and number >= len(PATTERN))
+    day = letter == "p" and index % DAY_EVERY == 10
+    return Spec(number, SORTS[letter], index, day)
 
 
 def numbers(count: int, only: str) -> list[int]:

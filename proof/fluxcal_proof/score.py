@@ -3,13 +3,29 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from . import folder as rounds
 from . import verdict
+from .effect import KINDS
 from .verdict import Outcome
+
+RIVALS = ("stepwise", "ensemble", "nothing")
+
+
+@dataclass
+class Round:
+    """What the program and each of the others made of the same cases; `others` lack those that were not run."""
+
+    commitment: str
+    seed: int
+    of: str
+    diagnose: list[Outcome]
+    others: dict[str, list[Outcome]]
 
 
 def wilson(hits: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
@@ -21,26 +37,41 @@ def wilson(hits: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
     return max(0.0, float((middle - half) / (1 + z * z / n))), min(1.0, float((middle + half) / (1 + z * z / n)))
 
 
-def outcomes(folder: Path) -> tuple[str, list[Outcome]]:
-    """The commitment and what was made of each case; a case without an answer failed."""
+def read(folder: Path) -> Round:
+    """Opens the truths of a round and judges all answers; a case without an answer failed."""
     commitment, truths = rounds.open_truths(folder)
-    out = []
-    for name, truth in truths.items():
+    families = {kind.name: kind.family for kind in KINDS}
+    families.setdefault("dependence", "follows_column")
+    own: list[Outcome] = []
+    others: dict[str, list[Outcome]] = {}
+    for name, truth in sorted(truths.items(), key=lambda one: one[1]["number"]):
         path = folder / "answers" / f"{name}.json"
         answer = json.loads(path.read_text()) if path.exists() else {"entry": None, "seconds": 0.0}
-        outcome = verdict.judge(name, truth, answer)
-        expected = np.load(folder / "truths" / f"{name}.npy")
+        own.append(verdict.judge(name, truth, answer))
         if path.exists():
-            with np.load(folder / "answers" / f"{name}.npz") as predicted:
-                for key in predicted.files:
-                    ratio = verdict.form(truth, expected, predicted[key])
-                    if key == "diagnose":
-                        outcome.form = ratio
-                    else:
-                        before = np.hypot(truth["noise_nt"], truth["before_nt"])
-                        outcome.empirical = ratio * float(np.hypot(truth["noise_nt"], truth["taken_nt"]) / before)
-        out.append(outcome)
-    return commitment, sorted(out, key=lambda one: one.truth["number"])
+            forms(own[-1], folder, name)
+        rivals: dict[str, Any] = dict(answer.get("rivals", {}))
+        if "diffmag_seconds" in answer:
+            told = verdict.of_diffmag(answer["diffmag"]) if answer["diffmag"] else None
+            rivals["diffmag"] = {"names": told, "seconds": answer["diffmag_seconds"]}
+        for rival, said in rivals.items():
+            entry = None if said["names"] is None else verdict.of_names(said["names"], families)
+            others.setdefault(rival, []).append(verdict.judge(name, truth, {"entry": entry, "seconds": said["seconds"]}))
+    first = min(truths.values(), key=lambda truth: truth["number"])
+    return Round(commitment, first["seed"], first["set"], own, others)
+
+
+def forms(outcome: Outcome, folder: Path, name: str) -> None:
+    """How far predictions are off: of the answer over the floor, and with what `--empirical` adopts over the basic model."""
+    truth, expected = outcome.truth, np.load(folder / "truths" / f"{name}.npy")
+    with np.load(folder / "answers" / f"{name}.npz") as predicted:
+        for key in predicted.files if len(expected) else ():
+            ratio = verdict.form(truth, expected, predicted[key])
+            if key == "diagnose":
+                outcome.form = ratio
+            else:
+                floor, before = np.hypot(truth["noise_nt"], truth["taken_nt"]), np.hypot(truth["noise_nt"], truth["before_nt"])
+                outcome.empirical = ratio * float(floor / before)
 
 
 def count(of: Iterable[Outcome], hit: Callable[[Outcome], bool]) -> tuple[int, int]:

@@ -19,7 +19,7 @@ def line(one: Outcome) -> str:
     empirical = "" if one.empirical is None else f" empirical {one.empirical:.3f}"
     family = "".join("F" if one_of else "-" for one_of in one.families)
     state = "right" if one.right else "MISSED"
-    return (f"{state:6s} {one.truth['number']:4d} {one.truth['sort']}: {title(one)} | {one.truth['rows']} rows, {', '.join(one.truth['manners'])} | "
+    return (f"{state:6s} {one.truth['number']:4d} {one.truth['sort']} {one.sort}: {title(one)} | {one.truth['rows']} rows, {', '.join(one.truth['manners'])} | "
             f"{one.verdict}: {told} [{family} {','.join(one.members)}]{form}{empirical} {one.seconds:.1f} s")
 
 
@@ -29,15 +29,15 @@ def of(outcomes: list[Outcome]) -> str:
     groups: dict[str, list[Outcome]] = {}
     for one in outcomes:
         effects = one.truth["effects"]
-        groups.setdefault(f"{effects[0]['kind']}, {effects[0]['form']}" if len(effects) == 1 else one.truth["sort"], []).append(one)
+        groups.setdefault(f"{effects[0]['kind']}, {effects[0]['form']}" if len(effects) == 1 else one.sort, []).append(one)
     lines.append(f"\n{'kind':60s} cases family right in-set wrong form<=1.05  s")
     for name, own in sorted(groups.items()):
         lines.append(f"{name:60s} {len(own):5d} {sum(all(o.families) for o in own):6d} {sum(all(m == 'right' for m in o.members) for o in own):5d} "
                      f"{sum(all(m != 'none' for m in o.members) for o in own):6d} {sum(bool(o.wrong) for o in own):5d} "
                      f"{sum((o.form or 9) <= 1.05 for o in own):10d} {np.median([o.seconds for o in own]):6.1f}")
     lines.append("")
-    for sort in ("single", "several", "clean", "unnamed", "undecidable", "pair"):
-        own = [o for o in outcomes if o.truth["sort"] == sort]
+    for sort in ("single", "several", "clean", "unnamed", "undecidable", "injected", "recorded"):
+        own = [o for o in outcomes if o.sort == sort]
         if not own:
             continue
         lines.append(f"{sort}: right or in the set, nothing wrong {share(*count(own, lambda o: o.right))}; a wrong name {share(*count(own, lambda o: bool(o.wrong)))}")
@@ -49,7 +49,7 @@ def of(outcomes: list[Outcome]) -> str:
                                  f"{share(*count(some, lambda o: all(m != 'none' for m in o.members)))}; right {share(*count(some, lambda o: all(m == 'right' for m in o.members)))}")
     explained = [o for o in outcomes if o.verdict == "explained" and o.form is not None]
     lines.append(f"explained, rms within 5 % of the floor: {share(*count(explained, lambda o: (o.form or 9) <= 1.05))}")
-    adopted = [o for o in outcomes if o.truth["sort"] == "unnamed"]
+    adopted = [o for o in outcomes if o.truth["sort"] == "unnamed" and o.verdict != "failed"]
     if adopted:
         lines.append(f"without a name, --empirical lowers the rms by 1 %: {share(*count(adopted, lambda o: (o.empirical or 9) < 0.99))}")
     lines.append(f"seconds an answer: median {np.median([o.seconds for o in outcomes]):.1f}, most {max(o.seconds for o in outcomes):.1f}, in all {sum(o.seconds for o in outcomes):.0f}")

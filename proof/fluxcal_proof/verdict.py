@@ -33,6 +33,11 @@ class Outcome:
     intervals: list[tuple[str, float]] = field(default_factory=list)
 
     @property
+    def sort(self) -> str:
+        """What is concealed: single, several, clean, unnamed, undecidable, injected or recorded."""
+        return str(self.truth.get("turn") or self.truth["sort"])
+
+    @property
     def clean_right(self) -> bool:
         """Nothing is concealed and nothing claimed."""
         return self.verdict == "agrees"
@@ -42,7 +47,7 @@ class Outcome:
         """All that is concealed is told, alone or in a set, and nothing else."""
         if not self.truth["effects"]:
             return self.clean_right
-        if self.truth["sort"] == "unnamed":
+        if self.sort == "unnamed":
             return not self.wrong and self.verdict not in ("agrees", "failed")
         return not self.wrong and all(member != "none" for member in self.members)
 
@@ -105,9 +110,29 @@ def judge(name: str, truth: dict[str, Any], answer: dict[str, Any]) -> Outcome:
         out.members.append(member(effect, told, named.get(effect["family"], [])))
         if effect.get("undecidable") and out.members[-1] == "wrong":
             out.wrong.append([one for names in told for one in names])
+    if "floor_nt" in truth and entry.get("fit"):
+        out.form = entry["fit"]["held_out_after_nt"] / truth["floor_nt"]
     out.printed = [(e["probability"], matches(word(e), rights)) for e in entry.get("effects", []) if e.get("probability") is not None]
     out.intervals = [one for effect in truth["effects"] for one in departures(effect, entry)]
     return out
+
+
+def of_names(names: list[str], families: dict[str, str]) -> dict[str, Any]:
+    """An answer that consists of names, as a rival gives it."""
+    effects = [{"effect": name.split()[0], "column": " ".join(name.split()[1:]) or None, "family": families.get(name.split()[0])} for name in names]
+    return {"verdict": "explained" if names else "agrees", "effects": effects}
+
+
+def of_diffmag(fit: dict[str, Any]) -> list[str]:
+    """What `diffmag` claims, in the names of effects: columns, a clock off by four uncertainties, drift and steps."""
+    names = {f"dependence {one['column']}" for axis in fit["axes"].values() for one in axis.get("follows", [])}
+    names |= {"ageing" for axis in fit["axes"].values() if axis["drift"].get("demanded", "none") != "none"}
+    names |= {"reading_step" for event in fit.get("kept_out", {}).get("events", []) if event["kind"] == "step"}
+    clock = fit.get("clock") or {}
+    off = clock.get("offset_s") or {}
+    if off.get("value") is not None and off.get("std") and abs(off["value"]) > 4 * off["std"]:
+        names.add("clock_offset")
+    return sorted(names)
 
 
 def member(effect: dict[str, Any], told: Claims, of_family: list[str]) -> str:

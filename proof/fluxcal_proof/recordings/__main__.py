@@ -1,5 +1,6 @@
 """Writes the page on real recordings, with its pictures beside it."""
 import argparse
+from collections import defaultdict
 from pathlib import Path
 
 from . import alone, lengths, pairs
@@ -33,7 +34,7 @@ def run(programs: Programs, name: str) -> Page:
     except Refused as refusal:
         page.headline.append(f"`{refusal.program}` refuses.")
         page.refused(refusal)
-    page.text.insert(0, words["about"].format(**page.about) + "\n")
+    page.text.insert(0, words["about"].format_map(defaultdict(lambda: "unknown", page.about)) + "\n")
     page.say(f"**Not determined:** {words['undecided']}")
     page.say(f"Source: {TOML['sources'][folder]}. `{name}`")
     return page
@@ -47,7 +48,8 @@ def whole(pages: list[Page]) -> str:
     top.say(words["head"])
     top.table(["question", "result"], [[page.words["title"], " ".join(page.headline)] for page in pages])
     top.say(words["by_hand"].format(holds=sum(one.holds for _, one in predictions), all=len(predictions)))
-    top.table(["held out", "best by hand", "by hand, nT", "programs, nT", "ratio", "within 5 %"], [one.row(title) for title, one in predictions])
+    heads = ["held out", "best by hand", "by hand, nT", "programs, nT", "ratio", "within 5 %"]
+    top.table(heads, [one.row(title) for title, one in predictions])
     top.say(words["known_from_source"])
     top.table(["known from", "what", "a stage that was not told", "found"], [
         [source, what, f"`{program}`: {answer}", "yes" if found else "**no**"] for (source, what, program), answer, found in known])

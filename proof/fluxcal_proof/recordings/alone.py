@@ -6,7 +6,6 @@ from .page import Page, each, number, plus_minus, three, verdict
 from .programs import AXES, Programs, Refused, Series, rms, scatter
 
 DRIVE_A = 2.5 / 21.5  # half of the stated 5 V from peak to peak over the stated 21.5 ohm
-LEVEL_NT = 100  # a reading belongs to a level of the square wave within so much
 
 
 def ask(programs: Programs, page: Page, name: str, series: Series) -> None:
@@ -46,7 +45,7 @@ def drive(z: np.ndarray) -> np.ndarray:
     """The drive, A, which was not recorded: its sign is taken from z; unknown beside a switching. The first row is an artefact."""
     low, high = np.sort(z)[[len(z) // 10, -1 - len(z) // 10]]
     sign = np.where(z > (low + high) / 2, 1.0, -1.0)
-    level = np.where(np.abs(z - np.where(sign > 0, high, low)) < LEVEL_NT, sign, 0)
+    level = np.where(np.abs(z - np.where(sign > 0, high, low)) < 100, sign, 0)  # within 100 nT a reading belongs to a level
     level[0] = level[1]
     before, after = np.append(level[0], level[:-1]), np.append(level[1:], level[-1])
     return np.where((level != 0) & (level == before) & (level == after), sign * DRIVE_A, np.nan)
