@@ -139,10 +139,11 @@ class Programs:
         self.folder, self.data = Path(programs), Path(data)
 
     def read(self, name: str) -> Series:
-        """A recording of sets.toml, by `ingest`: a pattern of files, a mapping below fixtures, and arguments."""
+        """A recording of sets.toml, by `ingest`."""
         pattern, *mapping = TOML["files"][name]
         mapped = ["--map", f"{FIXTURES}/{mapping[0]}.json", *mapping[1:]] if mapping else []
-        return Series.of(self._run("ingest", ["--inline", *mapped], *map(str, sorted(self.data.glob(pattern)))))
+        files = sorted(self.data.glob(pattern)) or [self.data / pattern]  # what is missing `ingest` refuses
+        return Series.of(self._run("ingest", ["--inline", *mapped], *map(str, files)))
 
     def ask(self, program: str, arguments: list[str], *recordings: dict, given: dict | None = None, against: dict | None = None) -> dict:
         """The answer to a document of recordings, with calibration and instrument as given; `against` is another to hold it against."""
@@ -154,9 +155,8 @@ class Programs:
             return self._run(program, arguments + against_it, write("document.json", recordings=recordings, **given or {}))
 
     def _run(self, program: str, arguments: list[str], *files: str) -> dict:
-        # One thread: the answer does not depend on the number.
-        run = subprocess.run([self.folder / program, *arguments, "-q", *files], capture_output=True, text=True, check=False,
-                             env=os.environ | {"RAYON_NUM_THREADS": "1"})
+        one_thread = os.environ | {"RAYON_NUM_THREADS": "1"}  # the answer does not depend on the number
+        run = subprocess.run([self.folder / program, *arguments, "-q", *files], capture_output=True, text=True, check=False, env=one_thread)
         if run.returncode == 0:
             return json.loads(run.stdout)
         words = run.stderr.strip().removeprefix(f"{program}: ").replace(f"{Path(files[0]).parent}/", "")
