@@ -19,6 +19,8 @@ def main() -> int:
     make.add_argument("--cases", type=int, default=1000)
     make.add_argument("--only", choices=["all", "campaigns", "pairs"], default="all")
     make.add_argument("--seed", type=int, help="absent: a random number of the operating system")
+    make.add_argument("--recordings", type=Path, help="folder of real recordings: they and injections in them are added; needs --programs")
+    make.add_argument("--programs", type=Path, help="folder of ingest, which reads the recordings")
     reply = steps.add_parser("answer", help="have the programs answer the documents")
     reply.add_argument("folder", type=Path)
     reply.add_argument("--programs", type=Path, required=True, help="folder of diagnose, diffmag and simulate")
@@ -34,7 +36,10 @@ def main() -> int:
     options = parser.parse_args()
     try:
         if options.step == "make":
-            print("commitment", folder.make(options.output, options.seed, options.cases, options.set, options.only))
+            if options.recordings and not options.programs:
+                parser.error("--recordings needs --programs")
+            real = (options.recordings, options.programs) if options.recordings else None
+            print("commitment", folder.make(options.output, options.seed, options.cases, options.set, options.only, real))
         elif options.step == "answer":
             answer.all_of(options.folder, options.programs, options.timeout)
         elif options.step == "score":

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from . import cases, plan
+from . import cases, hosted, plan
 
 WORKERS = 2
 T = TypeVar("T")
@@ -34,10 +34,9 @@ def digest(truth: bytes, expected: bytes) -> str:
     return hashlib.sha256(truth + expected).hexdigest()
 
 
-def seal_one(job: tuple[Path, int, int, str, str]) -> tuple[str, str]:
-    """Makes a case and writes document, truth and readings without noise."""
-    folder, seed, number, of, nonce = job
-    case, name = cases.make(seed, number, of), cases.neutral(seed, number)
+def write(folder: Path, seed: int, number: int, of: str, nonce: str, case: cases.Case) -> tuple[str, str]:
+    """Writes document, truth and readings without noise of a case; its name and seal."""
+    name = cases.neutral(seed, number)
     (folder / "documents" / f"{name}.json").write_text(json.dumps(case.document))
     truth = json.dumps({"seed": seed, "number": number, "set": of, "nonce": nonce, **case.truth}, sort_keys=True).encode()
     expected = io.BytesIO()
@@ -47,15 +46,27 @@ def seal_one(job: tuple[Path, int, int, str, str]) -> tuple[str, str]:
     return name, digest(truth, expected.getvalue())
 
 
-def make(folder: Path, seed: int | None, count: int, of: str, only: str) -> str:
-    """Makes and seals a round; the commitment is the SHA-256 over all seals in the order of their names."""
+def seal_one(job: tuple[Path, int, int, str, str]) -> tuple[str, str]:
+    """Makes a case and writes it."""
+    folder, seed, number, of, nonce = job
+    return write(folder, seed, number, of, nonce, cases.make(seed, number, of))
+
+
+def make(folder: Path, seed: int | None, count: int, of: str, only: str, real: tuple[Path, Path] | None = None) -> str:
+    """Makes and seals a round; the commitment is the SHA-256 over all seals in the order of their names.
+
+    `real` are the folders of real recordings and of the programs that read them."""
     if folder.exists():
         raise Refused(f"{folder} is there already: a round needs a folder of its own")
     seed = secrets.randbelow(2**32) if seed is None else seed
     for part in ("documents", "truths", "answers"):
         (folder / part).mkdir(parents=True)
     jobs = [(folder, seed, number, of, secrets.token_hex(16)) for number in plan.numbers(count, only)]
-    seals = dict(sorted(both(seal_one, jobs)))
+    seals = dict(both(seal_one, jobs))
+    for number, case in hosted.cases(*real, seed) if real else ():
+        name, seal = write(folder, seed, number, of, secrets.token_hex(16), case)
+        seals[name] = seal
+    seals = dict(sorted(seals.items()))
     commitment = hashlib.sha256("".join(seals.values()).encode()).hexdigest()
     (folder / "seals.json").write_text(json.dumps({"commitment": commitment, "seals": seals}, indent=1) + "\n")
     return commitment

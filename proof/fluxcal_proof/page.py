@@ -103,7 +103,7 @@ def failures(of: Round) -> str:
         if not one.right:
             told = "; ".join(" or ".join(names) for names in one.claims) or "–"
             rows.append([str(one.truth["number"]), title(one), ", ".join([f"{one.truth['rows']} rows", *one.truth["manners"]]), one.verdict.replace("_", " "), told])
-    return (f"## Failures\n\n`python3 -m fluxcal_proof case --seed {of.seed} --set {of.of} --number N -o doc.json` makes one again.\n\n"
+    return (f"## Failures\n\n`python3 -m fluxcal_proof case --seed {of.seed} --set {of.of} --number N -o doc.json` makes one again (numbers from 1 000 000 on are real recordings, which `make --recordings` makes with the same seed).\n\n"
             + table(["number", "concealed", "recorded", "answer", "named"], rows))
 
 
