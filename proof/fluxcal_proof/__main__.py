@@ -44,7 +44,7 @@ def main() -> int:
             answer.all_of(options.folder, options.programs, options.timeout)
         elif options.step == "score":
             scored = score.read(options.folder)
-            print(table.of(scored.diagnose))
+            print(table.of(scored))
             if options.output:
                 page.write(scored, options.output)
         else:

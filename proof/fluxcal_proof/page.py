@@ -47,6 +47,16 @@ def wins(of: Round) -> str:
         for name, theirs in others.items():
             if name in ("stepwise", "ensemble") and theirs[1] and goal.better(theirs, own):
                 lines.append(f"- {name} is better in “{goal.title}”: {share(*theirs)} against {share(*own)}.")
+    for name in ("stepwise", "ensemble"):
+        theirs_all = of.others.get(name, [])
+        common = {o.name for o in theirs_all}
+        own_all = [o for o in of.diagnose if o.name in common]
+        (mine, trials), (other, _) = count(own_all, lambda o: o.right), count(theirs_all, lambda o: o.right)
+        if mine < other:
+            lines.append(f"- {name} has more right verdicts: {other} against {mine} of {trials}.")
+        false, theirs_false = goals.false_names(own_all), goals.false_names(theirs_all)
+        if name == "stepwise" and false > 0.1 * theirs_false:
+            lines.append(f"- False names are more than a tenth of those of {name}: {false} against {theirs_false}.")
     return "## Where a rival is better\n\n" + ("\n".join(lines) if lines else "In no goal.") + "\n"
 
 

@@ -3,7 +3,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .score import count, share
+from . import goals
+from .score import Round, count, share
 from .verdict import Outcome
 
 
@@ -23,8 +24,9 @@ def line(one: Outcome) -> str:
             f"{one.verdict}: {told} [{family} {','.join(one.members)}]{form}{empirical} {one.seconds:.1f} s")
 
 
-def of(outcomes: list[Outcome]) -> str:
+def of(scored: Round) -> str:
     """The table."""
+    outcomes = scored.diagnose
     lines = [line(one) for one in outcomes]
     groups: dict[str, list[Outcome]] = {}
     for one in outcomes:
@@ -36,21 +38,12 @@ def of(outcomes: list[Outcome]) -> str:
                      f"{sum(all(m != 'none' for m in o.members) for o in own):6d} {sum(bool(o.wrong) for o in own):5d} "
                      f"{sum((o.form or 9) <= 1.05 for o in own):10d} {np.median([o.seconds for o in own]):6.1f}")
     lines.append("")
-    for sort in ("single", "several", "clean", "unnamed", "undecidable", "injected", "recorded"):
-        own = [o for o in outcomes if o.sort == sort]
-        if not own:
-            continue
-        lines.append(f"{sort}: right or in the set, nothing wrong {share(*count(own, lambda o: o.right))}; a wrong name {share(*count(own, lambda o: bool(o.wrong)))}")
-        if sort in ("single", "several"):
-            for name, strengths in (("0.3x", [0.3]), (">= 1x", [1, 3, 10, 100])):
-                some = [o for o in own if all(e["strength"] in strengths for e in o.truth["effects"])]
-                if some:
-                    lines.append(f"  {name}: all families {share(*count(some, lambda o: all(o.families)))}; members right or in the set "
-                                 f"{share(*count(some, lambda o: all(m != 'none' for m in o.members)))}; right {share(*count(some, lambda o: all(m == 'right' for m in o.members)))}")
-    explained = [o for o in outcomes if o.verdict == "explained" and o.form is not None]
-    lines.append(f"explained, rms within 5 % of the floor: {share(*count(explained, lambda o: (o.form or 9) <= 1.05))}")
-    adopted = [o for o in outcomes if o.truth["sort"] == "unnamed" and o.verdict != "failed"]
-    if adopted:
-        lines.append(f"without a name, --empirical lowers the rms by 1 %: {share(*count(adopted, lambda o: (o.empirical or 9) < 0.99))}")
+    for goal, own, others in goals.reached(scored):
+        theirs = ", ".join(f"{name} {hits} of {trials}" for name, (hits, trials) in others.items() if trials)
+        wanted = f"at {'least' if goal.at_least else 'most'} {goal.percent:g} %"
+        lines.append(f"{'met   ' if goal.met(*own) else 'MISSED'} {goal.title}, {wanted}: {share(*own)}; {theirs}")
+    right = count(outcomes, lambda o: o.right)
+    lines.append(f"right: {share(*right)}, {goals.false_names(outcomes)} false names; " + "; ".join(
+        f"{name} {count(of_rival, lambda o: o.right)[0]} of {len(of_rival)}, {goals.false_names(of_rival)}" for name, of_rival in scored.others.items()))
     lines.append(f"seconds an answer: median {np.median([o.seconds for o in outcomes]):.1f}, most {max(o.seconds for o in outcomes):.1f}, in all {sum(o.seconds for o in outcomes):.0f}")
     return "\n".join(lines)
