@@ -139,14 +139,6 @@ class Campaign:
         """Components along the sensors with nothing acting, nT, (3, instants)."""
         return self.geo_to_reading(run, self.eta @ self.along(run, t, through))
 
-    def component(self, run: Run, sensor: int) -> Signal:
-        """The field along a sensor as one signal; only in recordings whose drives are waves."""
-        weights = self.mu[:, sensor] @ run.turn @ self.eta * self.coil
-        total = Signal(level=float(self.mu[:, sensor] @ run.turn @ self.eta @ self.bias))
-        for weight, current in zip(weights, run.current):
-            total = total.plus(current.times(float(weight)))
-        return total
-
     def reading_through(self, run: Run, sensor: int, what: response.Response) -> np.ndarray:
         """The field along a sensor through a response, at all instants: linear, so coil by coil."""
         weights = self.mu[:, sensor] @ run.turn @ self.eta

@@ -85,7 +85,7 @@ def campaign(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
     told = []
     for kind, strength, effect in sorted(acting, key=lambda one: one[2].codes):
         if effect.codes:
-            effect.noisy[:] = [a + b + w for a, b, w in zip(read, total, widened)]  # type: ignore[attr-defined]
+            effect.noisy[:] = [a + b + w for a, b, w in zip(read, total, widened)]
         parts, size = sized(effect, basic, strength * noise_nt)
         total = [a + b for a, b in zip(total, parts)]
         told.append(dict(kind=kind.name, form=kind.form, family=kind.family, source=kind.source, strength=strength,
@@ -96,7 +96,7 @@ def campaign(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
     document, more = written(rng, c, own, [a + b + w for a, b, w in zip(read, total, widened)])
     expected = np.concatenate([((run.mean(a + b) - c.zero[:, None]) / c.gain[:, None])[:, run.keep].ravel() for run, a, b in zip(c.runs, read, total)])
     truth = dict(sort=spec.sort, effects=told, noise_nt=noise_nt, rows=int(sum(run.keep.sum() for run in c.runs)),
-                 manners=[name for name, is_so in manners.items() if is_so] + more + (["flicker noise"] if own.flicker else []),
+                 manners=[name for name, is_so in manners.items() if is_so] + more + (["flicker noise"] if own.flicker else ["random walk"] if own.walk else []),
                  taken_nt=float(np.sqrt(np.mean(taken**2))), before_nt=float(np.sqrt(np.mean((before - taken) ** 2))))
     return Case(document, truth, expected)
 

@@ -20,10 +20,15 @@ class Effect:
     power: float = 1.0
     # Parameters that the catalogue's equation has too, at size one; sizes in nT multiply `scaled`.
     truth: dict[str, float] = field(default_factory=dict)
-    # Of the converter: acts on readings with their noise.
+    # Of the converter: acts on readings with their noise, which are put here before.
     codes: bool = False
+    noisy: Parts = field(default_factory=list)
     # Of a set where nobody can tell the members apart, the right answer is the set.
     undecidable: bool = False
+
+
+# Of a campaign, an axis and random numbers.
+Make = Callable[[Campaign, int, np.random.Generator], Effect]
 
 
 @dataclass(frozen=True)
@@ -33,22 +38,17 @@ class Kind:
     name: str
     form: str
     family: str
-    make: Callable[[Campaign, int, np.random.Generator], Effect]
+    make: Make
     source: str
-
-    @property
-    def title(self) -> str:
-        """Name and form."""
-        return f"{self.name}, {self.form}"
 
 
 KINDS: list[Kind] = []
 
 
-def kind(name: str, form: str, family: str, source: str = "") -> Callable[[Callable[[Campaign, int, np.random.Generator], Effect]], Callable[[Campaign, int, np.random.Generator], Effect]]:
+def kind(name: str, form: str, family: str, source: str) -> Callable[[Make], Make]:
     """Enters what follows in the table."""
 
-    def enter(make: Callable[[Campaign, int, np.random.Generator], Effect]) -> Callable[[Campaign, int, np.random.Generator], Effect]:
+    def enter(make: Make) -> Make:
         KINDS.append(Kind(name, form, family, make, source))
         return make
 

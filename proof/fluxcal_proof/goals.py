@@ -62,7 +62,7 @@ def all_of() -> list[Goal]:
             Goal(f"{where}, two to four effects: all families", 88, True, some("several"), all_families),
             Goal(f"{where}, a wrong member where something acts that has a name", 2, False,
                  lambda o, here=here: here(o) and o.sort in ("single", "several"), lambda o: bool(o.wrong)),  # type: ignore[misc]
-            Goal(f"{where}, clean: anything claimed", 1, False, some("clean"), lambda o: not o.clean_right),
+            Goal(f"{where}, clean: anything claimed", 1, False, some("clean"), lambda o: o.verdict != "agrees"),
             Goal(f"{where}, outside the catalogue: no wrong member", 95, True, some("unnamed"), lambda o: o.verdict != "failed" and not o.wrong),
         ]
     out += [
@@ -72,7 +72,7 @@ def all_of() -> list[Goal]:
         Goal("indistinguishable: the whole set is told", 95, True, lambda o: o.sort == "undecidable", lambda o: o.members == ["right"] and not o.wrong),
         Goal("real recordings, injected at 1 to 10 times the scatter: member, or in the set", 92, True, lambda o: o.sort == "injected" and strong(o), members, True),
         Goal("real recordings, a wrong member", 2, False, lambda o: o.sort == "injected", lambda o: bool(o.wrong), True),
-        Goal("real recordings as they came, anything claimed", 1, False, lambda o: o.sort == "recorded", lambda o: not o.clean_right, True),
+        Goal("real recordings as they came, anything claimed", 1, False, lambda o: o.sort == "recorded", lambda o: o.verdict != "agrees", True),
         Goal("answered within the time", 99, True, lambda o: True, lambda o: o.verdict != "failed", True),
     ]
     return out

@@ -39,9 +39,11 @@ class Noise:
 
 
 def of_size(rng: np.random.Generator, size: float, step: float, coloured: bool) -> Noise:
-    """White noise of a size, nT, or white noise with a tenth to a half as much flicker noise, by variance in 1000 rows."""
+    """White noise of a size, nT, or with a tenth to a half of its variance in 1000 rows as flicker noise or a walk."""
     if not coloured:
         return Noise(size)
-    # Over frequencies from 1/(1000 step) to 1/(2 step) f^-1 has the variance A ln 500.
+    # In 1000 rows f^-1 has about the variance A ln 500, a random walk half of what it ends with.
     share = rng.uniform(0.1, 0.5)
+    if rng.uniform() < 0.3:
+        return Noise(size * np.sqrt(1 - share), walk=size * np.sqrt(share / (500 * step)))
     return Noise(size * np.sqrt(1 - share), flicker=share * size**2 / np.log(500))

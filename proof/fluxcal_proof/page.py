@@ -7,7 +7,6 @@ import numpy as np
 
 from . import goals
 from .score import Round, count, share
-from .table import title
 from .verdict import Outcome
 
 PICTURE = "proof/sealed.svg"
@@ -17,6 +16,11 @@ def table(head: list[str], rows: list[list[str]]) -> str:
     """A table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines) + "\n"
+
+
+def title(outcome: Outcome) -> str:
+    """What is concealed in a case."""
+    return " + ".join(f"{e['kind']}, {e['form']} ({e['strength']:g}x)" for e in outcome.truth["effects"]) or "nothing"
 
 
 def write(of: Round, page: Path) -> None:
@@ -32,7 +36,7 @@ def opening(of: Round) -> str:
     """A picture and three sentences."""
     single = [o for o in of.diagnose if o.sort == "single" and goals.strong(o)]
     clean = [o for o in of.diagnose if o.sort == "clean"]
-    named, claimed = count(single, lambda o: goals.members(o) and not o.wrong), count(clean, lambda o: not o.clean_right)
+    named, claimed = count(single, lambda o: goals.members(o) and not o.wrong), count(clean, lambda o: o.verdict != "agrees")
     wrong = count([o for o in of.diagnose if o.truth["effects"]], lambda o: bool(o.wrong))
     return (f"# Proof: what was concealed, and what was found\n\n![Single effects by strength, and what the rivals make of the same cases]({PICTURE})\n\n"
             f"Where one effect as large as the noise or larger was concealed, `diagnose` named it in {share(*named)} of the cases, alone or in a set. "

@@ -13,6 +13,7 @@ import numpy as np
 from . import noise, plan, signal
 from .campaign import AXES, Parts, directions
 from .cases import Case, sized
+from .response import relaxation
 from .signal import Signal
 
 LEVEL = (20_300.0, 1_700.0, 44_100.0)
@@ -50,8 +51,6 @@ class Pair:
 
     def heated(self, swing: float) -> Signal:
         """A box with a heater that is switched."""
-        from .response import relaxation
-
         load = self.switched([0.0, swing]).through(relaxation(self.rng.uniform(10, 30) * self.step), 0.0)
         return load.plus(Signal(level=20.0))
 
@@ -105,8 +104,8 @@ def make(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
     pair = Pair(rng, rows, step, noisy)
     manners = [f"noise of the reference {noisy:g} nT"] + (["a day of seconds"] if spec.day else [])
     if rng.uniform() < 0.3:
-        manners.append("flicker noise")
         pair.noise = noise.of_size(rng, 0.1, step, True)
+        manners.append("flicker noise" if pair.noise.flicker else "random walk")
     if rng.uniform() < 0.4:
         manners.append("decoys")
         wander = signal.smooth(rng, pair.length, pair.length / 40, 0.7, 2.0)

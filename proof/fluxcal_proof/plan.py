@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import count as naturals
+from itertools import islice
 
 import numpy as np
 
@@ -36,13 +38,7 @@ def spec(number: int) -> Spec:
 def numbers(count: int, only: str) -> list[int]:
     """The first so many cases: all, campaigns or pairs."""
     wanted = {"all": lambda s: True, "campaigns": lambda s: s != "pair", "pairs": lambda s: s == "pair"}[only]
-    out: list[int] = []
-    number = 0
-    while len(out) < count:
-        if wanted(spec(number).sort):
-            out.append(number)
-        number += 1
-    return out
+    return list(islice((number for number in naturals() if wanted(spec(number).sort)), count))
 
 
 def of_kinds(index: int, count: int) -> tuple[int, float]:

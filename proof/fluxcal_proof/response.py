@@ -4,7 +4,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import jn_zeros
 
 
 
@@ -33,10 +32,6 @@ class Response:
                 weights.append(w * v * np.array([a, -b]) / (a - b))
                 taus.append(np.array([a, b]))
         return Response(self.direct * other.direct, np.concatenate(weights), np.concatenate(taus), self.delay + other.delay)
-
-    def minus_input(self) -> "Response":
-        """What it changes: the response less its input (no delay)."""
-        return Response(self.direct - 1, self.weights, self.taus, self.delay)
 
 
 def relaxation(tau: float) -> Response:
@@ -72,13 +67,6 @@ def plate(tau: float, modes: int = 12) -> Response:
     k = 2 * np.arange(modes) + 1
     weights = 8 / (np.pi * k) ** 2
     return Response(1 - weights.sum(), weights, 4 * tau / (np.pi * k) ** 2)
-
-
-def cylinder(tau: float, modes: int = 12) -> Response:
-    """Mean in a long round rod, 2 I1(z) / (z I0(z)), z^2 = s tau, tau = radius^2 / diffusivity. Carslaw and Jaeger 7.7."""
-    j = jn_zeros(0, modes)
-    weights = 4 / j**2
-    return Response(1 - weights.sum(), weights, tau / j**2)
 
 
 def spread(tau: float, decades: float, terms: int = 9) -> Response:

@@ -72,7 +72,7 @@ def dependences(x: dict[str, Any], axis: str, field: np.ndarray | None) -> Named
     """All columns that are no field, drive or time."""
     own: Named = []
     for column in x:
-        if column == "time_s" or column.startswith(("coil_x_a", "coil_y_a", "coil_z_a", "sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_", "test_x", "test_y", "test_z")):
+        if column == "time_s" or column[:-4] in ("sensor_", "test_", "reference_") or column in ("coil_x_a", "coil_y_a", "coil_z_a"):
             continue
         y = values(x, column)
         y = np.where(np.isfinite(y), y, np.nanmean(y)) - np.nanmean(y)
@@ -90,8 +90,7 @@ def pair(document: dict[str, Any]) -> Blocks:
     age = (t - t[0]) / (t[-1] - t[0])
     for axis in "xyz":
         named: Named = [("ageing", age), *[("warm_up", np.exp(-age / y)) for y in (0.03, 0.1, 0.3)], *[("clock_offset", np.gradient(y, t)) for y in reference]]
-        named += [(f"dependence {name.split()[-1]}" if " on " in name else f"dependence {column}", y) for name, y, column in
-                  ((name, y, column) for column in x if column not in ("time_s",) for name, y in dependences({column: x[column]}, axis, None))]
+        named += [(f"dependence {column}", y) for column in x for _, y in dependences({column: x[column]}, axis, None)]
         out.append((values(x, f"test_{axis}_nt"), np.vstack([np.ones(len(t)), reference]), named))
     return out
 

@@ -3,14 +3,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from . import goals
+from . import goals, page
 from .score import Round, count, share
 from .verdict import Outcome
-
-
-def title(outcome: Outcome) -> str:
-    """What is concealed in a case."""
-    return " + ".join(f"{e['kind']}, {e['form']} ({e['strength']:g}x)" for e in outcome.truth["effects"]) or "nothing"
 
 
 def line(one: Outcome) -> str:
@@ -20,7 +15,7 @@ def line(one: Outcome) -> str:
     empirical = "" if one.empirical is None else f" empirical {one.empirical:.3f}"
     family = "".join("F" if one_of else "-" for one_of in one.families)
     state = "right" if one.right else "MISSED"
-    return (f"{state:6s} {one.truth['number']:4d} {one.truth['sort']} {one.sort}: {title(one)} | {one.truth['rows']} rows, {', '.join(one.truth['manners'])} | "
+    return (f"{state:6s} {one.truth['number']:4d} {one.truth['sort']} {one.sort}: {page.title(one)} | {one.truth['rows']} rows, {', '.join(one.truth['manners'])} | "
             f"{one.verdict}: {told} [{family} {','.join(one.members)}]{form}{empirical} {one.seconds:.1f} s")
 
 
@@ -28,16 +23,7 @@ def of(scored: Round) -> str:
     """The table."""
     outcomes = scored.diagnose
     lines = [line(one) for one in outcomes]
-    groups: dict[str, list[Outcome]] = {}
-    for one in outcomes:
-        effects = one.truth["effects"]
-        groups.setdefault(f"{effects[0]['kind']}, {effects[0]['form']}" if len(effects) == 1 else one.sort, []).append(one)
-    lines.append(f"\n{'kind':60s} cases family right in-set wrong form<=1.05  s")
-    for name, own in sorted(groups.items()):
-        lines.append(f"{name:60s} {len(own):5d} {sum(all(o.families) for o in own):6d} {sum(all(m == 'right' for m in o.members) for o in own):5d} "
-                     f"{sum(all(m != 'none' for m in o.members) for o in own):6d} {sum(bool(o.wrong) for o in own):5d} "
-                     f"{sum((o.form or 9) <= 1.05 for o in own):10d} {np.median([o.seconds for o in own]):6.1f}")
-    lines.append("")
+    lines += ["", page.kinds(scored)]
     for goal, own, others in goals.reached(scored):
         theirs = ", ".join(f"{name} {hits} of {trials}" for name, (hits, trials) in others.items() if trials)
         wanted = f"at {'least' if goal.at_least else 'most'} {goal.percent:g} %"

@@ -38,15 +38,10 @@ class Outcome:
         return str(self.truth.get("turn") or self.truth["sort"])
 
     @property
-    def clean_right(self) -> bool:
-        """Nothing is concealed and nothing claimed."""
-        return self.verdict == "agrees"
-
-    @property
     def right(self) -> bool:
         """All that is concealed is told, alone or in a set, and nothing else."""
         if not self.truth["effects"]:
-            return self.clean_right
+            return self.verdict == "agrees"
         if self.sort == "unnamed":
             return not self.wrong and self.verdict not in ("agrees", "failed")
         return not self.wrong and all(member != "none" for member in self.members)

@@ -28,11 +28,6 @@ class Responses(unittest.TestCase):
         y = x.through(response.relaxation(7.0), rest=0.0)(t)
         np.testing.assert_allclose(y, integrated(x(t), 0.01, 7.0), atol=2e-5)
 
-    def test_two_in_a_row_are_one_after_another(self) -> None:
-        omega = np.array([0.1, 1.0, 10.0])
-        both = response.poles([2.0, 0.5]).gain(omega)
-        np.testing.assert_allclose(both, response.relaxation(2.0).gain(omega) * response.relaxation(0.5).gain(omega))
-
     def test_modes_of_a_plate_sum_to_the_closed_form(self) -> None:
         omega = np.array([0.01, 0.1, 1.0])
         z = np.sqrt(1j * omega * 3.0)

@@ -1,10 +1,13 @@
 """Late responses to the field: loops, filters, clocks, eddy currents."""
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 
 from .. import response
-from ..campaign import AXES, Campaign, Parts
+from ..campaign import AXES, Campaign, Parts, Run
 from ..effect import Effect, kind, linear, one_sensor
 from ..response import Response
 
@@ -12,11 +15,11 @@ FAMILY = "late_response"
 LOOP = ("loop_bandwidth", "delay")
 
 
-def loop(c: Campaign, axis: int, of: "type[object] | object", right: tuple[str, ...]) -> Effect:
+def loop(c: Campaign, axis: int, of: Callable[[float], Response], right: tuple[str, ...]) -> Effect:
     """The reading follows its field through a response whose time is the size, in hundredths of a step."""
 
     def act(size: float) -> Parts:
-        what: Response = of(0.01 * c.step * size)  # type: ignore[operator]
+        what = of(0.01 * c.step * size)
         return one_sensor(c, axis, lambda run: c.reading_through(run, axis, what) - c.plain(run)[axis])
 
     return Effect(act, [(name, AXES[axis]) for name in right])
@@ -44,11 +47,11 @@ def second_order(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return loop(c, axis, lambda tau: response.damped(tau, damping), LOOP)
 
 
-def shifted(c: Campaign, seconds: "object") -> "object":
+def shifted(c: Campaign, seconds: Callable[[Run], np.ndarray | float]) -> Callable[[float], Parts]:
     """Readings taken at another time than is written; a held drive is set after a reading, so that a late one misses it."""
 
     def act(size: float) -> Parts:
-        return [c.plain(run, run.at - seconds(run) * size) - c.plain(run) for run in c.runs]  # type: ignore[operator]
+        return [c.plain(run, run.at - seconds(run) * size) - c.plain(run) for run in c.runs]
 
     return act
 
@@ -56,25 +59,25 @@ def shifted(c: Campaign, seconds: "object") -> "object":
 @kind("clock_offset", "one recording", FAMILY, "INTERMAGNET Technical Reference Manual")
 def clock(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     number, sign = int(rng.choice([run.number for run in c.runs if not run.held])), rng.choice([-1, 1])
-    return Effect(shifted(c, lambda run: sign * 0.01 * c.step * (run.number == number)), [("clock_offset", "")])  # type: ignore[arg-type]
+    return Effect(shifted(c, lambda run: sign * 0.01 * c.step * (run.number == number)), [("clock_offset", "")])
 
 
 @kind("clock_rate", "quartz with a temperature coefficient", FAMILY, "Vig 1992, Introduction to Quartz Frequency Standards")
 def quartz(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     bend = rng.uniform(0, 0.2)
 
-    def seconds(run: "object") -> np.ndarray:
-        t = run.at - c.runs[0].at[0]  # type: ignore[attr-defined]
+    def seconds(run: Run) -> np.ndarray:
+        t = run.at - c.runs[0].at[0]
         return 1e-6 * (t + bend * c.length * (t / (2 * c.length)) ** 2)
 
-    return Effect(shifted(c, seconds), [("clock_rate", ""), ("clock_offset", "")])  # type: ignore[arg-type]
+    return Effect(shifted(c, seconds), [("clock_rate", ""), ("clock_offset", "")])
 
 
 def eddy(c: Campaign, axis: int, what: Response) -> Effect:
     """Metal about one coil keeps back a share of its changes: dB_c = -s (B_c - what B_c)."""
-    parts = []
+    parts, less = [], replace(what, direct=what.direct - 1)
     for run in c.runs:
-        change = lambda k, x: x.through(what.minus_input()).times(1e-3 if k == axis else 0.0)
+        change = lambda k, x: x.through(less).times(1e-3 if k == axis else 0.0)
         along = c.along(run, through=change) - c.bias[:, None]
         parts.append(c.geo_to_reading(run, c.eta @ along))
     return Effect(linear(parts), [("eddy_currents", AXES[axis])])

@@ -1,6 +1,8 @@
 """Nonlinear and history-dependent responses to the field along the sensor or across it."""
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from ..campaign import AXES, Campaign, Parts, Run
@@ -78,9 +80,9 @@ def tanh(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return Effect(act, right)
 
 
-def history(c: Campaign, axis: int, of: "object", *right: str) -> Effect:
+def history(c: Campaign, axis: int, of: Callable[[np.ndarray], np.ndarray], *right: str) -> Effect:
     """What depends on the way of the field: `of` goes through the field's way (instants, finer) in 50 000 nT."""
-    return in_sensor(c, axis, lambda run: of(run.path(lambda t: c.plain(run, t)[axis] / 50_000)), *right)  # type: ignore[operator]
+    return in_sensor(c, axis, lambda run: of(run.path(lambda t: c.plain(run, t)[axis] / 50_000)), *right)
 
 
 @kind("hysteresis", "play", FAMILY, "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis")
@@ -96,23 +98,23 @@ def preisach(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
 
 
 def plays(way: np.ndarray, widths: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Sum of plays, less the field: y stays within x - r and x + r. For a play the last of each stretch's turns decides."""
+    """Sum of plays, less the field: y stays within x - r and x + r."""
     y, out = np.full(len(widths), way[0, 0]), np.empty(len(way))
     for i, stretch in enumerate(way):
-        for x in (stretch.min(), stretch.max(), stretch[-1]) if stretch[-1] < stretch[0] else (stretch.max(), stretch.min(), stretch[-1]):
+        for x in stretch:
             y = np.minimum(np.maximum(y, x - widths), x + widths)
         out[i] = weights @ (y - stretch[-1])
     return out
 
 
-def by_steps(way: np.ndarray, z: float, change: "object") -> np.ndarray:
+def by_steps(way: np.ndarray, z: float, change: Callable[[float, float], float]) -> np.ndarray:
     """Integrates dz = change(z, dx) along the way, in parts of 1 000 nT at most."""
     x, out = way[0, 0], np.empty(len(way))
     for i, stretch in enumerate(way):
         for end in stretch:
             parts = int(abs(end - x) / 0.02) + 1
             for _ in range(parts):
-                z += change(z, (end - x) / parts)  # type: ignore[operator]
+                z += change(z, (end - x) / parts)
             x = end
         out[i] = z
     return out
@@ -139,7 +141,7 @@ def perming(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     def remanence(way: np.ndarray) -> np.ndarray:
         p, out = 0.0, np.empty(len(way))
         for i, stretch in enumerate(way):
-            for x in (stretch.min(), stretch.max()) if stretch[-1] > stretch[0] else (stretch.max(), stretch.min()):
+            for x in stretch:
                 p = min(max(p, x - threshold), x + threshold)
             out[i] = p
         return out

@@ -1,6 +1,8 @@
 """Fields of the surroundings: leakage through the nulling, gradients, lines."""
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.special import ellipe, ellipk
 
@@ -72,10 +74,10 @@ def rings(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return Effect(linear(parts), [("coil_gradient", AXES[axis])])
 
 
-def line(c: Campaign, rng: np.random.Generator, hertz: float, strength: "object", right: list[str]) -> Effect:
+def line(c: Campaign, rng: np.random.Generator, hertz: float, strength: Callable[[Run], float], right: list[str]) -> Effect:
     """A field of one frequency in GEO, by recording as strong as `strength` says."""
     v = rng.normal(size=3) * np.exp(1j * rng.uniform(0, 2 * np.pi, 3))
-    return in_geo(c, lambda run: np.real(np.outer(v, run.wave(hertz))) * strength(run), [(name, "") for name in right])  # type: ignore[operator]
+    return in_geo(c, lambda run: np.real(np.outer(v, run.wave(hertz))) * strength(run), [(name, "") for name in right])
 
 
 @kind("mains", "load differs by recording", "lines", "IAGA Guide; currents of the power supply")

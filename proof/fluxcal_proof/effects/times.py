@@ -112,6 +112,4 @@ def codes(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
         width = size * np.sqrt(12)
         return one_sensor(c, axis, lambda run: width * np.round(noisy[run.number][axis] / width) - noisy[run.number][axis])
 
-    effect = Effect(act, [("quantisation", AXES[axis])], codes=True)
-    effect.noisy = noisy  # type: ignore[attr-defined]
-    return effect
+    return Effect(act, [("quantisation", AXES[axis])], codes=True, noisy=noisy)

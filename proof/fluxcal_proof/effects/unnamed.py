@@ -6,6 +6,7 @@ import numpy as np
 from .. import signal
 from ..campaign import Campaign, Run
 from ..effect import Effect, in_sensor, kind
+from ..response import relaxation
 from .follows import SENSOR, warmth
 
 
@@ -72,8 +73,6 @@ def lorenz(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
 
 @kind("unnamed", "heater that nobody recorded", "", "Joule's heat into a block that no thermometer touches")
 def hidden_heater(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
-    from ..response import relaxation
-
     loads = [run.switched(rng, 30, 100, [0.0, 1.0]).through(relaxation(20 * c.step), run.span[0]) for run in c.runs]
     return in_sensor(c, axis, lambda run: loads[run.number](run.at))
 
