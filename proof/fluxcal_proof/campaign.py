@@ -26,11 +26,11 @@ def directions(rng: np.random.Generator, arcmin: float) -> np.ndarray:
     return m / np.linalg.norm(m, axis=0)
 
 
-def quarter_turn(rng: np.random.Generator) -> np.ndarray:
-    """One of the 24 rotations of a cube."""
+def quarter_turn(rng: np.random.Generator, before: list[np.ndarray]) -> np.ndarray:
+    """One of the 24 rotations of a cube, unlike those before."""
     while True:
         r = np.eye(3)[rng.permutation(3)] * rng.choice([-1, 1], 3)
-        if np.linalg.det(r) > 0:
+        if np.linalg.det(r) > 0 and not any((r == other).all() for other in before):
             return r
 
 
@@ -51,7 +51,7 @@ class Run:
             self.keep = rng.uniform(size=rows) > 0.01
             first = int(rng.integers(rows // 4, rows // 2))
             self.keep[first:first + int(rng.integers(5, rows // 8))] = False
-        self.turn = quarter_turn(rng)
+        self.turn = quarter_turn(rng, [run.turn for run in c.runs])
         self.held = number % 2 == 1
         self.current = [self.drive(rng).times(48_000 / c.coil[k]) for k in range(3)]
         self.temperature = [self.warmth(rng, mean, swing) for mean, swing in zip(REFERENCE_C, (8, 7, 4))]

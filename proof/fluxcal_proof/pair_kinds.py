@@ -26,10 +26,16 @@ class PairKind:
     looked_at: bool
 
 
-def acts(x: np.ndarray, rng: np.random.Generator, right: list[tuple[str, str]]) -> Effect:
-    """A function of time on all axes of the test instrument."""
-    part = np.outer(rng.normal(size=3), x)
-    return Effect(lambda size: [size * part], right)
+def acts(x: np.ndarray, rng: np.random.Generator, right: list[tuple[str, str]], key: str = "") -> Effect:
+    """A function of time, less its mean, on all axes of the test instrument; `key` ends the names of its parameters."""
+    v = rng.normal(size=3)
+    part = np.outer(v, x - x.mean())
+    return Effect(lambda size: [size * part], right, truth={f"{k}_{key}": float(a) for k, a in zip("xyz", v)} if key else {})
+
+
+def wall(pair: Pair, rng: np.random.Generator) -> Response:
+    """Heat that diffuses into a plate."""
+    return response.plate(pair.length * rng.uniform(0.02, 0.1), 8)
 
 
 def column(name: str, late: Callable[[Pair, np.random.Generator], Response] | None = None, bend: float = 1.0,
@@ -43,7 +49,8 @@ def column(name: str, late: Callable[[Pair, np.random.Generator], Response] | No
         if logged:
             by = int(rng.integers(logged[0], logged[1] + 1)) * pair.step
             pair.columns[name] = lambda t: true(t - by)
-        return acts(np.sign(x) * np.abs(x) ** bend, rng, [("dependence", name), ("stray_current", name)])
+        return acts(np.sign(x) * np.abs(x) ** bend, rng, [("dependence", name), ("stray_current", name)],
+                    f"nt_per_{ {'c': 'k'}.get(name.split('_')[-1], name.split('_')[-1])}" if bend == 1 and late is not wall else "")
 
     return make
 
@@ -68,11 +75,6 @@ def of_time(of: Callable[[np.ndarray, np.random.Generator], np.ndarray], *right:
 def body(least: float, most: float) -> Callable[[Pair, np.random.Generator], Response]:
     """One relaxation, its time a share of the length."""
     return lambda pair, rng: response.relaxation(pair.length * rng.uniform(least, most))
-
-
-def wall(pair: Pair, rng: np.random.Generator) -> Response:
-    """Heat that diffuses into a plate."""
-    return response.plate(pair.length * rng.uniform(0.02, 0.1), 8)
 
 
 def stray(pair: Pair, rng: np.random.Generator) -> Effect:

@@ -125,10 +125,10 @@ def make(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
     noise_nt = float(np.sqrt(np.mean(difference**2)))
     added, told = np.zeros((3, rows)), []
     for kind, strength, effect in effects:
-        parts, _ = sized(effect, fitted, strength * noise_nt)  # type: ignore[arg-type]
+        parts, size = sized(effect, fitted, strength * noise_nt)  # type: ignore[arg-type]
         added = added + parts[0]
         told.append(dict(kind=kind.name, form=kind.form, family=kind.family, source=kind.source, strength=strength, right=effect.right,
-                         undecidable=False, left_nt=fitted.left(parts), parameters={}))
+                         undecidable=False, left_nt=fitted.left(parts), parameters={k: v * size for k, v in effect.truth.items()}))
     columns = {"time_s": pair.t}
     for i, k in enumerate(AXES):
         columns[f"reference_{k}_nt"] = (field + reference_noise)[i]

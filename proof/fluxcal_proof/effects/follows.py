@@ -98,10 +98,12 @@ def of_column(c: Campaign, name: str, rng: np.random.Generator, late: Response |
     """A field in SEN in proportion to a column, or to a power of it."""
     v = rng.normal(size=3)
 
+    level = {"humidity_percent": 45.0, "room_pressure_pa": 101_300.0}.get(name, 0.0)
+
     def x(run: Run) -> np.ndarray:
         s = run.columns[name]
         value = s.through(late, run.span[0])(run.at) if late else s(run.at)  # type: ignore[attr-defined]
-        return np.sign(value) * np.abs(value) ** bend
+        return np.sign(value - level) * np.abs(value - level) ** bend
 
     right = [("dependence", name)] + ([("stray_current", name)] if name.endswith("_a") else [])
     size = dict(zip(("x_nt_per_a", "y_nt_per_a", "z_nt_per_a"), v)) if late is None and bend == 1 and name.endswith("_a") else {}

@@ -34,6 +34,6 @@ def twins(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     for run in c.runs:
         humid = run.columns["humidity_percent"]
         run.columns["second_humidity_percent"] = lambda t, humid=humid: 1.02 * humid(t) - 1.5
-    effect = in_sensor(c, axis, lambda run: run.columns["humidity_percent"](run.at))
+    effect = in_sensor(c, axis, lambda run: run.columns["humidity_percent"](run.at) - 45)
     effect.right, effect.undecidable = [("dependence", "humidity_percent"), ("dependence", "second_humidity_percent")], True
     return effect
