@@ -74,12 +74,17 @@ bench-peers runs="5":
 
 # Physics concealed and sealed, what diagnose finds of it, and recordings that somebody else made: docs/proof.md and docs/proof/real.md. Three
 # steps with a folder that must be new: what was opened once is not scored again.
-proof folder="target/proof":
+proof folder="target/proof" cases="1000": proof-venv
     cargo build --release --workspace --bins
-    target/release/blind make -o {{folder}} --truths {{folder}}-truths.json --recordings ../shared/data
-    target/release/blind answer {{folder}}
-    target/release/blind score {{folder}} --truths {{folder}}-truths.json -o docs/proof.md
+    target/proof-venv/bin/python -m fluxcal_proof make -o {{folder}} --cases {{cases}} --recordings ../shared/data --programs target/release
+    target/proof-venv/bin/python -m fluxcal_proof answer {{folder}} --programs target/release
+    target/proof-venv/bin/python -m fluxcal_proof score {{folder}} -o docs/proof.md
     target/release/recorded -o docs/proof/real.md
+
+[private]
+proof-venv:
+    test -x target/proof-venv/bin/python || python3 -m venv target/proof-venv
+    target/proof-venv/bin/pip install -q "./proof[rivals]"
 
 # Coverage of every interval over 5 000 and 1 000 campaigns
 prove:

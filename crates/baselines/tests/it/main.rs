@@ -1,3 +1,0 @@
-//! The integration tests of `baselines`: one program, a module for each subject.
-
-mod help;

@@ -1,0 +1,83 @@
+"""Has each document answered by the programs and by the rivals, within a time, two at a time."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import folder as rounds
+from . import rivals
+
+# Large parts of an answer that no score reads.
+LEFT_OUT = ("series", "energy", "detectable", "experiments")
+Job = tuple[Path, str, Path, float]
+
+
+def run(command: list[str], timeout: float) -> tuple[dict[str, Any] | None, float, str]:
+    """A program's document, the seconds that it took, and why there is none."""
+    start = time.monotonic()
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, timeout=timeout, env={**os.environ, "RAYON_NUM_THREADS": "1"})
+    except subprocess.TimeoutExpired:
+        return None, time.monotonic() - start, "time limit"
+    seconds = time.monotonic() - start
+    if done.returncode != 0:
+        return None, seconds, (done.stderr.strip().splitlines() or ["no words"])[-1][:300]
+    return json.loads(done.stdout), seconds, ""
+
+
+def readings(document: dict[str, Any]) -> np.ndarray:
+    """All sensors of all recordings in one row, missing ones as NaN."""
+    parts = [r["columns"][f"sensor_{k}_nt"] for r in document["recordings"] for k in "xyz"]
+    return np.concatenate([np.array(part, float) for part in parts])
+
+
+def coils(document: dict[str, Any]) -> bool:
+    """Whether it is a campaign in coils, whose readings can be predicted."""
+    return "axes" in document.get("calibration", {})
+
+
+def replayed(document: dict[str, Any], programs: Path, place: Path, timeout: float) -> np.ndarray | None:
+    """What an answer's calibration and model predict."""
+    place.write_text(json.dumps(document))
+    predicted, _, _ = run([str(programs / "simulate"), "replay", "-q", str(place)], timeout)
+    place.unlink()
+    return readings(predicted) if predicted else None
+
+
+def one(job: Job) -> tuple[str, float]:
+    """Answers a document and writes the answer."""
+    folder, name, programs, timeout = job
+    path = folder / "documents" / f"{name}.json"
+    given = json.loads(path.read_text())
+    pair = given["recordings"][0]["procedure"] == "differential"
+    document, seconds, why = run([str(programs / "diagnose"), "-q", str(path)], timeout)
+    answer: dict[str, Any] = {"seconds": seconds, "why_not": why, "entry": None}
+    place, predictions = folder / "answers" / f"{name}.work.json", {}
+    if document:
+        answer["entry"] = {k: v for k, v in document["diagnosis"][0].items() if k not in LEFT_OUT}
+        if coils(given):
+            predictions["diagnose"] = replayed(document, programs, place, timeout)
+            if answer["entry"]["verdict"] in ("unexplained", "partly_explained"):
+                more, answer["empirical_seconds"], _ = run([str(programs / "diagnose"), "-q", "--empirical", "--refit", str(path)], timeout)
+                predictions["empirical"] = replayed(more, programs, place, timeout) if more else None
+    if pair:
+        document, answer["diffmag_seconds"], answer["diffmag_why_not"] = run([str(programs / "diffmag"), "-q", "--correct-clock", str(path)], timeout)
+        answer["diffmag"] = document["calibration"]["differential"]["fit"] if document else None
+    answer["rivals"] = rivals.all_of(given)
+    np.savez_compressed(folder / "answers" / f"{name}.npz", **{k: v for k, v in predictions.items() if v is not None})
+    (folder / "answers" / f"{name}.json").write_text(json.dumps(answer))
+    return name, seconds
+
+
+def all_of(folder: Path, programs: Path, timeout: float) -> None:
+    """Answers what has no answer yet."""
+    rounds.refuse_if_opened(folder)
+    left = [name for name in rounds.names(folder) if not (folder / "answers" / f"{name}.json").exists()]
+    for done, (name, seconds) in enumerate(rounds.both(one, [(folder, name, programs, timeout) for name in left]), 1):
+        print(f"{done} of {len(left)}: {name} {seconds:.1f} s", flush=True)

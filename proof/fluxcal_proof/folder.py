@@ -1,0 +1,98 @@
+"""A round in a folder: documents, sealed truths, answers; what was opened is not answered again."""
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import secrets
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from . import cases, hosted, plan
+
+WORKERS = 2
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Refused(Exception):
+    """A step that would break the seals."""
+
+
+def both(of: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
+    """Results in order, two at a time."""
+    with ProcessPoolExecutor(WORKERS) as pool:
+        yield from pool.map(of, list(items))
+
+
+def digest(truth: bytes, expected: bytes) -> str:
+    """The seal of a truth: SHA-256 over its JSON and the readings without noise."""
+    return hashlib.sha256(truth + expected).hexdigest()
+
+
+def write(folder: Path, seed: int, number: int, of: str, nonce: str, case: cases.Case) -> tuple[str, str]:
+    """Writes document, truth and readings without noise of a case; its name and seal."""
+    name = cases.neutral(seed, number)
+    (folder / "documents" / f"{name}.json").write_text(json.dumps(case.document))
+    truth = json.dumps({"seed": seed, "number": number, "set": of, "nonce": nonce, **case.truth}, sort_keys=True).encode()
+    expected = io.BytesIO()
+    np.save(expected, case.expected)
+    (folder / "truths" / f"{name}.json").write_bytes(truth)
+    (folder / "truths" / f"{name}.npy").write_bytes(expected.getvalue())
+    return name, digest(truth, expected.getvalue())
+
+
+def seal_one(job: tuple[Path, int, int, str, str]) -> tuple[str, str]:
+    """Makes a case and writes it."""
+    folder, seed, number, of, nonce = job
+    return write(folder, seed, number, of, nonce, cases.make(seed, number, of))
+
+
+def make(folder: Path, seed: int | None, count: int, of: str, only: str, real: tuple[Path, Path] | None = None) -> str:
+    """Makes and seals a round; the commitment is the SHA-256 over all seals in the order of their names.
+
+    `real` are the folders of real recordings and of the programs that read them."""
+    if folder.exists():
+        raise Refused(f"{folder} is there already: a round needs a folder of its own")
+    seed = secrets.randbelow(2**32) if seed is None else seed
+    for part in ("documents", "truths", "answers"):
+        (folder / part).mkdir(parents=True)
+    jobs = [(folder, seed, number, of, secrets.token_hex(16)) for number in plan.numbers(count, only)]
+    seals = dict(both(seal_one, jobs))
+    for number, case in hosted.cases(*real, seed) if real else ():
+        name, seal = write(folder, seed, number, of, secrets.token_hex(16), case)
+        seals[name] = seal
+    seals = dict(sorted(seals.items()))
+    commitment = hashlib.sha256("".join(seals.values()).encode()).hexdigest()
+    (folder / "seals.json").write_text(json.dumps({"commitment": commitment, "seals": seals}, indent=1) + "\n")
+    return commitment
+
+
+def names(folder: Path) -> list[str]:
+    """Names of the documents."""
+    return sorted(json.loads((folder / "seals.json").read_text())["seals"])
+
+
+def refuse_if_opened(folder: Path) -> None:
+    """Answers after the opening of truths are refused."""
+    if (folder / "opened").exists():
+        raise Refused("the truths of this round are open: it takes no more answers")
+
+
+def open_truths(folder: Path) -> tuple[str, dict[str, dict[str, Any]]]:
+    """The commitment and all truths, each held against its seal; from now on there are no answers."""
+    sealed = json.loads((folder / "seals.json").read_text())
+    if hashlib.sha256("".join(sealed["seals"].values()).encode()).hexdigest() != sealed["commitment"]:
+        raise Refused("the seals are not those of the commitment")
+    (folder / "opened").write_text(sealed["commitment"] + "\n")
+    truths = {}
+    for name, seal in sealed["seals"].items():
+        truth = (folder / "truths" / f"{name}.json").read_bytes()
+        if digest(truth, (folder / "truths" / f"{name}.npy").read_bytes()) != seal:
+            raise Refused(f"the truth of {name} is not the one that was sealed")
+        truths[name] = json.loads(truth)
+    return sealed["commitment"], truths
