@@ -79,7 +79,7 @@ proof folder="target/proof" cases="1000": proof-venv
     target/proof-venv/bin/python -m fluxcal_proof make -o {{folder}} --cases {{cases}} --recordings ../shared/data --programs target/release
     target/proof-venv/bin/python -m fluxcal_proof answer {{folder}} --programs target/release
     target/proof-venv/bin/python -m fluxcal_proof score {{folder}} -o docs/proof.md
-    target/release/recorded -o docs/proof/real.md
+    target/proof-venv/bin/python -m fluxcal_proof.recordings --programs target/release --data ../shared/data -o docs/proof/real.md
 
 [private]
 proof-venv:

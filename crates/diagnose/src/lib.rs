@@ -46,7 +46,6 @@ mod codes;
 mod course;
 mod covariates;
 mod decide;
-mod dictionary;
 mod empirical;
 mod events;
 mod evidence;
@@ -86,7 +85,6 @@ mod whitening;
 mod words;
 
 pub use common::Error;
-pub use dictionary::{Dictionary, Form, Group, Readings, dictionary};
 pub use words::summary;
 
 use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Verdict, procedure};
