@@ -59,11 +59,12 @@ def make(folder: Path, seed: int | None, count: int, of: str, only: str, real: t
     if folder.exists():
         raise Refused(f"{folder} is there already: a round needs a folder of its own")
     seed = secrets.randbelow(2**32) if seed is None else seed
+    found = hosted.cases(*real, seed) if real else []
     for part in ("documents", "truths", "answers"):
         (folder / part).mkdir(parents=True)
     jobs = [(folder, seed, number, of, secrets.token_hex(16)) for number in plan.numbers(count, only)]
     seals = dict(both(seal_one, jobs))
-    for number, case in hosted.cases(*real, seed) if real else ():
+    for number, case in found:
         name, seal = write(folder, seed, number, of, secrets.token_hex(16), case)
         seals[name] = seal
     seals = dict(sorted(seals.items()))

@@ -8,7 +8,6 @@ from fluxcal_proof.basic import Basic
 from fluxcal_proof.campaign import Campaign
 from fluxcal_proof.effects.own_field import plays
 from fluxcal_proof.effects.surroundings import ring
-from fluxcal_proof.response import Response
 from fluxcal_proof.signal import Signal
 
 
@@ -39,10 +38,6 @@ class Responses(unittest.TestCase):
         np.testing.assert_allclose(response.damped(tau, 0.6).gain(omega), 1 / (1 + 1.2 * tau * s + (tau * s) ** 2))
         step = Signal(at=np.array([0.0]), height=np.array([1.0]), shape=response.damped(tau, 0.6))(np.array([0.0, 1e3]))
         np.testing.assert_allclose(step, [0, 1], atol=1e-9)
-
-    def test_a_late_step_is_late(self) -> None:
-        x = Signal(at=np.array([1.0]), height=np.array([3.0])).through(Response(delay=0.5))
-        np.testing.assert_array_equal(x(np.array([1.2, 1.6])), [0, 3])
 
 
 class Fields(unittest.TestCase):
@@ -88,7 +83,3 @@ class Sizes(unittest.TestCase):
             for effect in cases.make(4, number, "develop").truth["effects"]:
                 wanted = effect["strength"] * cases.make(4, number, "develop").truth["noise_nt"]
                 self.assertLess(abs(effect["left_nt"] / wanted - 1), 0.05, effect["form"])
-
-
-if __name__ == "__main__":
-    unittest.main()

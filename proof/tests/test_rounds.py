@@ -110,7 +110,3 @@ class Rivals(unittest.TestCase):
         x = rng.normal(size=(400, 8))
         y = 0.5 * x[:, 2] - 0.3 * x[:, 5] + 0.2 * rng.normal(size=400)
         self.assertEqual(sorted(rivals.stepwise(y, x)), [2, 5])
-
-
-if __name__ == "__main__":
-    unittest.main()

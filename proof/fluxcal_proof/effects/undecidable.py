@@ -3,8 +3,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import signal
-from ..campaign import AXES, REFERENCE_C, Campaign
+from ..campaign import REFERENCE_C, Campaign
 from ..effect import Effect, in_sensor, kind, linear
 from ..signal import Signal
 from .follows import ELECTRONICS, SENSOR, warmth
