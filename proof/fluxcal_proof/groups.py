@@ -14,6 +14,7 @@ DEVELOP = {
     ("offset_temperature", "bent"), ("offset_temperature_lag", "one body"),
     ("offset_electronics_temperature", "amplifier"), ("sensitivity_electronics_temperature", "reference"),
     ("axis_temperature", "wedge"), ("coil_temperature", "former that expands"), ("stray_current", "heater"),
+    ("stray_current", "panel logged late"),
     ("dependence", "humidity, late"), ("coil_heating", "winding"),
     ("quadratic_nonlinearity", "square"), ("cubic_nonlinearity", "cube"), ("cross_field", "squares and products"),
     ("cross_field_sensitivity", "product"), ("saturation", "soft end"), ("hysteresis", "play"),
