@@ -64,8 +64,7 @@ pub fn with_additions(model: &Model<'_>, state: &State, additions: &[Addition]) 
     })
 }
 
-/// A state without things that came in, which stand in it from a number of effects and of single readings on,
-/// and the
+/// A state without things that came in, which stand in it from a number of effects and of single readings on, and the
 /// numbers behind them.
 pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State, (usize, usize)) {
     let effects = gone.iter().filter(|one| matches!(one, Addition::Effect(_))).count();
