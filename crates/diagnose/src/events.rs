@@ -108,7 +108,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
         let row = channel.rows[best.row];
         // What steps in one sensor may do so in all; a step of the field's magnitude may be that of any sensor.
         let beside = observed.channels.iter().enumerate().filter(|(_, other)| other.run == channel.run);
-        let places: Vec<(Best, Option<Axis>)> = match (kind, channel.reader) {
+        let mut places: Vec<(Best, Option<Axis>)> = match (kind, channel.reader) {
             (Kind::ReadingStep, Reader::Sensor(_)) => beside
                 .filter_map(|(number, other)| {
                     let row = other.rows.iter().position(|at| *at == row)?;
@@ -119,8 +119,19 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
             (_, Reader::Sensor(axis)) => vec![(best, Some(axis))],
             _ => vec![(best, None)],
         };
-        for (best, axis) in places {
-            found.extend(moment(fitter, fit, (rest, scatter), (best, axis), (kind, alone), looks)?);
+        // In the other channels the moment is known from the one in which it was found.
+        places.sort_by_key(|(place, _)| place.channel != best.channel);
+        let mut by_chance = 0.0;
+        for place in places {
+            let searched = place.0.channel == best.channel;
+            let own = if searched { looks } else { 1.0 };
+            let Some(proposal) = moment(fitter, fit, (rest, scatter), place, (kind, alone), own)? else {
+                continue;
+            };
+            if searched {
+                by_chance = proposal.p;
+            }
+            found.push(Proposal { p: proposal.p.max(by_chance), ..proposal });
         }
     }
     found.extend(freeze::proposal(fitter, fit, rest, &all)?);
@@ -250,6 +261,9 @@ fn moment(
         (Addition::Single(_), _) => Some("single readings".into()),
         (Addition::Effect(_), Some(axis)) if kind == Kind::Spike => {
             Some(format!("single readings of {axis}"))
+        }
+        (Addition::Effect(effect), Some(_)) if matches!(channel.reader, Reader::Sensor(_)) => {
+            Some(format!("step at {} s in \"{}\"", effect.parameters[1], run.recording.id))
         }
         _ => None,
     };

@@ -118,6 +118,8 @@ pub(super) fn explained(
             let own = (0..free.len()).filter(|k| effects.contains(&free[*k].0)).map(|k| base + k);
             let own: Vec<usize> = own.chain(singles.clone().map(|k| base + free.len() + k)).collect();
             effect.visible_fraction = visible(fitter, outcome, &own)?;
+            let instances = &outcome.fit.state.effects[effects.clone()];
+            let several_sensors = instances.iter().any(|instance| instance.axis != instances[0].axis);
             for at in effects {
                 let instance = &outcome.fit.state.effects[at];
                 describe(&mut effect, instance, &outcome.parameters[at]);
@@ -135,6 +137,9 @@ pub(super) fn explained(
                 let parameters = [("height_nt".to_string(), height)].into_iter().collect();
                 effect.list.push(ListedEffect { parameters, ..ListedEffect::default() });
             }
+            if several_sensors {
+                together(&mut effect, instances);
+            }
             if effect.list.len() == 1 {
                 let one = effect.list.remove(0);
                 (effect.recording, effect.parameters) = (one.recording, one.parameters);
@@ -142,6 +147,24 @@ pub(super) fn explained(
             Ok(effect)
         })
         .collect()
+}
+
+/// What happened in several sensors at one moment as one, with an amplitude for each.
+fn together(effect: &mut ExplainedEffect, instances: &[EffectInstance]) {
+    let mut parameters = IndexMap::new();
+    for (part, instance) in effect.list.iter().zip(instances) {
+        let infos = instance.kind.parameters().iter().zip(&part.parameters);
+        for (info, (name, value)) in infos {
+            let name = match instance.axis.filter(|_| info.role == Role::Amplitude) {
+                Some(axis) => format!("{axis}_{name}"),
+                None => name.clone(),
+            };
+            parameters.insert(name, value.clone());
+        }
+    }
+    let recording = instances[0].recording.clone();
+    effect.sensor = None;
+    effect.list = vec![ListedEffect { recording, parameters }];
 }
 
 /// Says what an effect is.

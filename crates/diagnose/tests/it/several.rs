@@ -68,3 +68,15 @@ fn the_loop_closes() {
     let fit = entry.fit.as_ref().expect("a fit");
     assert!((fit.rms_before_nt / fit.noise_floor_nt - 1.0).abs() < 0.08, "{}", fit.rms_before_nt);
 }
+
+/// A knock moves all sensors at once: one finding.
+#[test]
+fn a_step_in_all_sensors_is_told_once() {
+    let step = |sensor: &str, height: f64| json!({"effect": "reading_step", "sensor": sensor, "parameters": {"height_nt": height, "time_s": 2700.0}});
+    let effects = [step("x", 8.0), step("y", -5.0), step("z", 3.0)];
+    let found = diagnose::run(simulated(Scene::Runs, &effects, &noise(), 51), &Options::default())
+        .expect("diagnosed");
+    let entry = &found.diagnosis.as_ref().expect("a diagnosis")[0];
+    println!("{} {}", entry.answer, serde_json::to_string_pretty(&entry.effects).unwrap());
+    assert_eq!(entry.verdict, Verdict::Explained);
+}
