@@ -17,6 +17,9 @@ use crate::what::named;
 const CELLS: usize = 1 << 21;
 /// Cells in the shortest period.
 const FINE: f64 = 4.0;
+/// Period over the standard deviation of the noise below which codes do not show: noise before the converter leaves
+/// exp(−2π²σ²/period²) of a sine of them, here 0.7 %.
+const BLURRED: f64 = 2.0;
 /// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
 const WIDTHS: i32 = 32;
 /// Least amplitude of the sine in the error of coarse codes, over their width: without noise it is 1/π.
@@ -55,7 +58,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     // Within a coarse code all readings are one.
     let coarse = fit.state.effects.iter().filter(|e| e.kind == Kind::Quantisation && e.axis == Some(axis));
     let coarse = coarse.map(|effect| 2.0 * effect.parameters[0]).fold(0.02, f64::max);
-    let shortest = (0.5 * std).max(coarse).max(2.0 * FINE * range / CELLS as f64);
+    let shortest = (BLURRED * std).max(coarse).max(2.0 * FINE * range / CELLS as f64);
     if !(range > 0.0 && longest > 2.0 * shortest && x.len() > 8) {
         return Ok(Vec::new());
     }

@@ -109,7 +109,14 @@ pub fn search(
         let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
         sharper |= follow(&mut events, &additions, &fit.state.effects[from..]);
         if round <= REFITS {
+            // Whose shapes were fitted.
+            let mut known = shaped(&additions);
             for rival in &answer.rivals {
+                let own = shaped(rival);
+                if own.is_subset(&known) {
+                    continue;
+                }
+                known.extend(own);
                 // A rival that has no minimum is none.
                 if let Ok(fit) = beside(model, &ground, rival) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
@@ -279,22 +286,38 @@ const MOVED: f64 = 0.02;
 fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     let mut any = false;
     for effect in fitted {
-        let shapes = |effect: &EffectInstance| -> Vec<f64> {
-            let infos = effect.kind.parameters().iter().zip(&effect.parameters);
-            infos.filter(|(info, value)| info.is_shape_at(**value)).map(|(_, value)| *value).collect()
-        };
-        let own = shapes(effect);
         let near = |other: &EffectInstance| {
+            let (own, theirs) = (shapes(effect), shapes(other));
             (other.kind, other.axis, &other.column) == (effect.kind, effect.axis, &effect.column)
-                && shapes(other).len() == own.len()
-                && shapes(other).iter().zip(&own).all(|(a, b)| (a / b - 1.0).abs() < MOVED)
+                && theirs.len() == own.len()
+                && theirs.iter().zip(&own).all(|(a, b)| (a / b - 1.0).abs() < MOVED)
         };
-        if !own.is_empty() && effect.recording.is_none() && !known.iter().any(near) {
+        if has_shape(effect) && !known.iter().any(near) {
             known.push(effect.clone());
             any = true;
         }
     }
     any
+}
+
+/// The shapes of an effect that can be fitted.
+fn shapes(effect: &EffectInstance) -> Vec<f64> {
+    let infos = effect.kind.parameters().iter().zip(&effect.parameters);
+    infos.filter(|(info, value)| info.is_shape_at(**value)).map(|(_, value)| *value).collect()
+}
+
+/// Whether an effect has a shape that is the same in all recordings.
+fn has_shape(effect: &EffectInstance) -> bool {
+    effect.recording.is_none() && !shapes(effect).is_empty()
+}
+
+/// The names of the effects that have such a shape.
+fn shaped(additions: &[Addition]) -> BTreeSet<String> {
+    let of = |addition: &Addition| match addition {
+        Addition::Effect(effect) if has_shape(effect) => Some(named(effect)),
+        _ => None,
+    };
+    additions.iter().filter_map(of).collect()
 }
 
 /// The ground with additions, at its minimum under the noise of the ground.

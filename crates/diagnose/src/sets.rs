@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use crate::atoms::{Atom, Atoms};
 use crate::decide::{BEAM, CANCEL, DEPTH, FORM, FORM_ENERGY};
-use crate::evidence::{Given, Term, energy};
+use crate::evidence::{Block, Further, Given, Term, energy};
 use crate::form::{self, Followed};
 use crate::level::Rest;
 use crate::products::{Products, Projection};
@@ -169,18 +169,18 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                 |member: &Member| member.atom == number || self.atoms.all[member.atom].name == atom.name;
             set.members.iter().any(same)
         };
+        // What does nothing here is not carried on.
+        let least = given.log_evidence(&self.rest, None) - IDLE;
         let mut found: Vec<(f64, bool, Member, Vec<f64>)> = (0..self.atoms.all.len())
             .into_par_iter()
             .filter(|number| !held(*number, &self.atoms.all[*number]))
             .filter_map(|number| {
-                let (log, member, coefficients) = self.alone(&given, number)?;
+                let (log, member, coefficients) = self.alone(&given, number, least)?;
                 Some((log, self.atoms.all[number].is_named(), member, coefficients))
             })
             .collect();
         found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.atom.cmp(&b.2.atom)));
-        // What does nothing here is not carried on.
-        let as_it_is = given.log_evidence(&self.rest, None) - IDLE;
-        found.retain(|(log, ..)| *log > as_it_is);
+        found.retain(|(log, ..)| *log > least);
         let (names, structures): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, named, ..)| *named);
         let some = names.into_iter().take(NAMES).chain(structures.into_iter().take(STRUCTURES));
         some.map(|(_, _, member, coefficients)| (member, coefficients)).collect()
@@ -194,53 +194,54 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         !atom.finite || (coefficient > least && coefficient <= high)
     }
 
-    /// An atom beside what is given: ln of its evidence over all shapes and sizes, and the best of them.
-    fn alone(&self, given: &Given<'_>, number: usize) -> Option<(f64, Member, Vec<f64>)> {
+    /// An atom beside what is given: ln of its evidence over all shapes and sizes, and the best of them. None where that
+    /// cannot be more than `least`: the widest sizes gain most.
+    fn alone(&self, given: &Given<'_>, number: usize, least: f64) -> Option<(f64, Member, Vec<f64>)> {
         let atom = &self.atoms.all[number];
-        let shapes = (atom.shapes.len() as f64).ln();
-        let mut best: Option<(f64, Member)> = None;
-        let mut sum = Vec::new();
+        let (_, widest) = atom.sizes.last()?;
+        let mut shapes: Vec<(usize, Block)> = Vec::new();
+        let mut most = f64::NEG_INFINITY;
         for (shape, of) in atom.shapes.iter().enumerate() {
-            if of.columns.iter().all(|column| self.screen.visible(*column) < VISIBLE) {
+            let visible = |column: &usize| self.screen.visible(*column) >= VISIBLE;
+            if of.columns.len() > widest.len() || !of.columns.iter().any(visible) {
                 continue;
             }
             let block = given.block(&of.columns);
+            let Some(further) = block.further(&widest[..of.columns.len()]) else { continue };
+            most =
+                most.max(given.log_evidence(&self.rest, Some(Further { log_determinant: 0.0, ..further })));
+            shapes.push((shape, block));
+        }
+        let whole: f64 = atom.sizes.iter().map(|(log_size, _)| log_size.exp()).sum();
+        if most + atom.log_prior + whole.ln() <= least {
+            return None;
+        }
+        let mut best: Option<(f64, Member, Vec<f64>)> = None;
+        let mut logs = Vec::new();
+        for (shape, block) in shapes {
             for (log_size, deviations) in &atom.sizes {
-                let deviations = deviations[..of.columns.len().min(deviations.len())].to_vec();
-                if deviations.len() != of.columns.len() {
+                let deviations = &deviations[..atom.shapes[shape].columns.len()];
+                let Some(further) = block.further(deviations) else { continue };
+                let log_prior = atom.log_prior + log_size - (atom.shapes.len() as f64).ln();
+                let log = given.log_evidence(&self.rest, Some(further)) + log_prior;
+                if atom.finite && !self.possible(atom, shape, block.coefficients(deviations)?[0]) {
                     continue;
                 }
-                let Some(further) = block.further(&deviations) else { continue };
-                let log_prior = atom.log_prior + log_size - shapes;
-                let log = given.log_evidence(&self.rest, Some(further)) + log_prior;
-                if atom.finite {
-                    let about = block.coefficients(&deviations)?[0];
-                    if !self.possible(atom, shape, about) {
-                        continue;
-                    }
-                }
-                sum.push(log);
-                if log.is_finite() && best.as_ref().is_none_or(|(most, _)| log > *most) {
-                    best = Some((
-                        log,
-                        Member {
-                            atom: number,
-                            shape,
-                            deviations,
-                            log_prior,
-                            departs: Vec::new(),
-                            log_forms: 0.0,
-                        },
-                    ));
+                logs.push(log);
+                if log.is_finite() && best.as_ref().is_none_or(|(most, ..)| log > *most) {
+                    let deviations = deviations.to_vec();
+                    let coefficients = block.coefficients(&deviations)?;
+                    let departs = Vec::new();
+                    let member =
+                        Member { atom: number, shape, deviations, log_prior, departs, log_forms: 0.0 };
+                    best = Some((log, member, coefficients));
                 }
             }
         }
-        let (most, mut member) = best?;
-        let all = most + sum.iter().map(|log| (log - most).exp()).sum::<f64>().ln();
+        let (most, mut member, coefficients) = best?;
+        let all = most + logs.iter().map(|log| (log - most).exp()).sum::<f64>().ln();
         // The member stands for all shapes and sizes.
         member.log_prior += all - most;
-        let coefficients =
-            given.block(&atom.shapes[member.shape].columns).coefficients(&member.deviations)?;
         Some((all, member, coefficients))
     }
 

@@ -111,9 +111,9 @@ impl NoiseModel {
         self.whitenings.iter().map(Whitening::log_determinant).sum()
     }
 
-    /// Whether it whitens as another does: the same declaration, through the same converters.
+    /// Whether it whitens as another does.
     pub fn same(&self, other: &Self) -> bool {
-        self.known > 0.0 && self.known == other.known && self.std_nt == other.std_nt
+        self.whitenings.iter().zip(&other.whitenings).all(|(own, other)| own.same(other))
     }
 
     /// Whether the noise of a channel has memory.

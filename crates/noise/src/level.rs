@@ -5,7 +5,7 @@ use std::sync::Arc;
 /// What it does to whitened readings L⁻¹y, where their mean is zero with the standard uncertainty s: they
 /// become L⁻¹y + k u Σy/(n s), with u = Lᵀ1/(n s) and k = (√(1 + uᵀu) − 1)/uᵀu, so that the inverse of their
 /// covariance is L⁻ᵀ(1 + u uᵀ)L⁻¹ = C⁻¹ + 1 1ᵀ/(n s)².
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Level {
     /// k u.
     direction: Arc<[f64]>,

@@ -53,6 +53,14 @@ impl Whitening {
         Self::of_sum(std::slice::from_ref(noise), time_s, rows, oldest_s)
     }
 
+    /// Whether it whitens as another does.
+    pub fn same(&self, other: &Self) -> bool {
+        (self.rows, self.walk, self.white) == (other.rows, other.walk, other.white)
+            && self.processes == other.processes
+            && self.level == other.level
+            && self.steps_s == other.steps_s
+    }
+
     /// Of the sum of several independent noises, otherwise as [`Whitening::of`].
     pub fn of_sum(
         noises: &[Noise],
