@@ -16,7 +16,7 @@ use crate::what::named;
 /// Most cells along a reading.
 const CELLS: usize = 1 << 21;
 /// Cells in the shortest period.
-const FINE: f64 = 4.0;
+const FINE: f64 = 2.0;
 /// Period over the standard deviation of the noise below which codes do not show: noise before the converter leaves
 /// exp(−2π²σ²/period²) of a sine of them, here 0.7 %.
 const BLURRED: f64 = 2.0;

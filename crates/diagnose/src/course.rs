@@ -71,8 +71,7 @@ pub fn search(
     if origin.look.clean(searcher.level) {
         let verdict = if codes.is_empty() { Verdict::Agrees } else { Verdict::Explained };
         let Ground { fit, noise, look, .. } = origin;
-        let near = fit.state.base.clone();
-        return Ok(outcome(before, (base, base_noise, first), (verdict, codes), near, (fit, noise, look)));
+        return Ok(outcome(before, (base, base_noise, first), (verdict, codes), (fit, noise, look)));
     }
     // With less noise where the names of a round explain some of what passed for it.
     let mut ground = origin.clone();
@@ -321,7 +320,7 @@ fn shaped(additions: &[Addition]) -> BTreeSet<String> {
 }
 
 /// The ground with additions, at its minimum under the noise of the ground.
-fn beside(model: &Model<'_>, ground: &Ground, additions: &[Addition]) -> Result<Fit, Error> {
+pub fn beside(model: &Model<'_>, ground: &Ground, additions: &[Addition]) -> Result<Fit, Error> {
     let state = &with_additions(model, &ground.fit.state, additions);
     let fitter = Fitter { model, noise: &ground.noise };
     let from = ground.fit.state.effects.len();
@@ -364,11 +363,11 @@ fn concluded(
 ) -> Result<Outcome, Error> {
     let verdict::Answer { verdict, names, refused, unnamed, families, .. } = answer;
     let mut found = codes;
-    let (near, began) = (fit.state.base.clone(), (base, base_noise, first));
+    let began = (base, base_noise, first);
     if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
         let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
         let Ground { fit, noise, look: last, .. } = origin;
-        let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
+        let outcome = outcome(before, began, (verdict, found), (fit, noise, last));
         return Ok(Outcome { refused, unnamed, families, ..outcome });
     }
     let fitter = Fitter { model, noise: &noise };
@@ -397,7 +396,7 @@ fn concluded(
         });
     }
     let fit = fit.widened(&added);
-    let outcome = outcome(before, began, (verdict, found), near, (fit, noise, last));
+    let outcome = outcome(before, began, (verdict, found), (fit, noise, last));
     Ok(Outcome { refused, unnamed, families, ..outcome })
 }
 
@@ -406,7 +405,6 @@ fn outcome(
     before: Vec<f64>,
     (base, base_noise, first): (Fit, NoiseModel, Look),
     (verdict, found): (Verdict, Vec<NamedEffect>),
-    near: Vec<f64>,
     (fit, noise, last): (Fit, NoiseModel, Look),
 ) -> Outcome {
     Outcome {
@@ -419,7 +417,6 @@ fn outcome(
         refused: Vec::new(),
         unnamed: Vec::new(),
         families: Vec::new(),
-        near,
         fit,
         noise,
         last,

@@ -38,6 +38,7 @@ mod additions;
 mod adopt;
 mod against;
 mod algebra;
+mod approach;
 mod atoms;
 mod beside;
 mod candidates;
@@ -77,7 +78,6 @@ mod sized;
 mod smooth;
 mod stacked;
 mod stands;
-mod undeclared;
 mod verdict;
 mod waves;
 mod what;
@@ -92,8 +92,8 @@ use indexmap::IndexMap;
 use physics::{Kind, References};
 
 use crate::candidates::Pool;
-use crate::fit::{Fit, Fitter, settled};
-use crate::model::{Model, State};
+use crate::fit::{Fit, settled};
+use crate::model::Model;
 use crate::observed::Observed;
 use crate::proposal::Addition;
 use crate::search::{Look, Searcher};
@@ -169,8 +169,6 @@ struct Outcome {
     unnamed: Vec<verdict::Unnamed>,
     /// The kinds of physics among all of it.
     families: Vec<ExplainedFamily>,
-    /// The unknowns of the base model beside the best names.
-    near: Vec<f64>,
     /// The final fit.
     fit: Fit,
     noise: NoiseModel,
@@ -182,22 +180,12 @@ struct Outcome {
     parameters: Vec<IndexMap<String, Quantity>>,
 }
 
-/// What the calibration fitted again leaves, over the noise, above which effects and calibration do not add
-/// up.
-const LARGE: f64 = 30.0;
-
 impl Outcome {
     /// Takes back its names, for a reason.
     fn without_names(&mut self, why: &str) {
         self.refused.extend(self.found.drain(..).map(|found| (found.name, why.to_string())));
         self.verdict = Verdict::Unexplained;
         (self.fit, self.noise, self.last) = (self.base.clone(), self.base_noise.clone(), self.first.clone());
-    }
-
-    /// Whether something was left out that is so large.
-    fn is_large(&self) -> bool {
-        let left = algebra::square(&self.base.residual) / self.base.residual.len().max(1) as f64;
-        self.verdict != Verdict::Agrees && left > LARGE * LARGE * self.noise.variance()
     }
 }
 
@@ -288,28 +276,23 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     let pool = Pool::of(&model, &base.state, &options.without)?;
     let mut searcher = Searcher::new(&pool, options.seed, options.level);
     told(&format!("searching among {} candidates", pool.candidates.len()));
-    let mut outcome = undeclared::search(&original, &model, &mut searcher, before, (base, base_noise), told)?;
-    // Where what was left out is large, the calibration fitted without it is off by so much that effects do
-    // not add up about it: the sets are weighed again about the calibration that goes with the best names.
-    let nearer = if outcome.is_large() {
-        let state = State { base: outcome.near.clone(), ..outcome.base.state.clone() };
-        Some((Pool::of(&model, &state, &options.without)?, state))
-    } else {
-        None
-    };
-    if let Some((pool, state)) = &nearer {
-        told("searching again around the calibration fitted with the effects found");
-        let mut other = Searcher::new(pool, options.seed, options.level);
-        let noise = outcome.base_noise.clone();
-        let about = Fitter { model: &model, noise: &noise }.at(state)?;
-        let again =
-            undeclared::search(&original, &model, &mut other, outcome.before.clone(), (about, noise), told)?;
-        if !matches!(again.verdict, Verdict::Unexplained | Verdict::Agrees) {
-            let Outcome { base, base_noise, first, .. } = outcome;
-            outcome = Outcome { base, base_noise, first, ..again };
-            searcher = other;
+    let near = approach::of(&original, &model, &mut searcher, (&base, &base_noise), &options.without)?;
+    let other = near.as_ref().and_then(|near| near.pool.as_ref());
+    let mut about = other.map(|pool| Searcher::new(pool, options.seed, options.level));
+    let found = match &near {
+        Some(near) => {
+            let own = about.as_mut().unwrap_or(&mut searcher);
+            near.search(&original, &model, own, before.clone(), (&base, &base_noise), told)?
         }
-    }
+        None => None,
+    };
+    let (mut outcome, mut searcher) = match found {
+        Some(found) => (found, about.unwrap_or(searcher)),
+        None => {
+            let from = (base, base_noise);
+            (course::search(&original, &model, &mut searcher, before, from, told)?, searcher)
+        }
+    };
     told("writing the answer");
     outcome.notes.extend(notes);
     stands::standing(&original, &model, &start, &mut outcome)?;
