@@ -68,7 +68,7 @@ pub fn of(
         let fit = Fitter { model, noise: &noise }.refine(&base.state)?;
         return Ok(Some(Approach { fit, noise, pool: None }));
     }
-    let near = match course::beside(model, &ground, &additions) {
+    let near = match course::beside(model, &ground, &additions, None) {
         Err(Error::Unanswerable(_)) => return Ok(None),
         near => near?,
     };

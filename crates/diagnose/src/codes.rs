@@ -14,7 +14,7 @@ use crate::proposal::{Addition, Proposal};
 use crate::what::named;
 
 /// Most cells along a reading.
-const CELLS: usize = 1 << 21;
+const CELLS: usize = 1 << 20;
 /// Cells in the shortest period.
 const FINE: f64 = 2.0;
 /// Period over the standard deviation of the noise below which codes do not show: noise before the converter leaves

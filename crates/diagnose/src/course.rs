@@ -86,11 +86,11 @@ pub fn search(
         let mut answer =
             weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
-        let near = beside(model, &ground, &additions);
-        let (fit, noise, left) = match near.and_then(|fit| {
-            let left = square(&fit.white[..fit.residual.len()]);
+        let near = beside(model, &ground, &additions, None);
+        let (fit, noise, left, cost) = match near.and_then(|fit| {
+            let (left, cost) = (square(&fit.white[..fit.residual.len()]), fit.cost);
             let (fit, noise) = with_noise(document, model, &ground, fit)?;
-            Ok((fit, noise, left))
+            Ok((fit, noise, left, cost))
         }) {
             Err(Error::Unanswerable(_)) => {
                 let answer = answer.unexplained("no fit with it converges");
@@ -116,8 +116,9 @@ pub fn search(
                     continue;
                 }
                 known.extend(own);
-                // A rival that has no minimum is none.
-                if let Ok(fit) = beside(model, &ground, rival) {
+                // A rival that has no minimum is none, nor one that is far behind.
+                let behind = Some(cost + BEHIND * (cost / fit.residual.len() as f64).max(1.0));
+                if let Ok(fit) = beside(model, &ground, rival, behind) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
                 }
             }
@@ -278,6 +279,8 @@ pub fn weighed(
 
 /// Rounds in which rivals are fitted again.
 const REFITS: usize = 2;
+/// How far behind the answer a rival's sum of squares may be, in variances of the noise.
+const BEHIND: f64 = 60.0;
 /// How much a shape must have moved, as a share, to be tried anew.
 const MOVED: f64 = 0.02;
 
@@ -319,14 +322,21 @@ fn shaped(additions: &[Addition]) -> BTreeSet<String> {
     additions.iter().filter_map(of).collect()
 }
 
-/// The ground with additions, at its minimum under the noise of the ground.
-pub fn beside(model: &Model<'_>, ground: &Ground, additions: &[Addition]) -> Result<Fit, Error> {
+/// The ground with additions, at its minimum under the noise of the ground, or on the way where that cannot come to some
+/// sum of squares.
+pub fn beside(
+    model: &Model<'_>,
+    ground: &Ground,
+    additions: &[Addition],
+    reach: Option<f64>,
+) -> Result<Fit, Error> {
     let state = &with_additions(model, &ground.fit.state, additions);
     let fitter = Fitter { model, noise: &ground.noise };
     let from = ground.fit.state.effects.len();
     let hides = (state.effects[from..].iter())
         .any(|effect| effect.kind.about().stage == Stage::Converter || !effect.kind.invertible());
-    let mut fit = if hides { fitter.refine(state)? } else { fitter.refine_near(state, &ground.fit)? };
+    let mut fit =
+        if hides { fitter.refine(state)? } else { fitter.refine_near(state, &ground.fit, reach)? };
     for number in from..state.effects.len() {
         fit = events::settled_in_time(&fitter, fit, number)?;
     }

@@ -23,6 +23,7 @@ const ITERATION: Control = Control {
     raise: Tolerance { absolute: 0.0, relative: 0.0 },
     idle: Some(Tolerance { absolute: 1e-3, relative: 1e-9 }),
     keep: true,
+    reach: None,
 };
 const LIGHTEST: f64 = 1e-10;
 /// Most steps from a fit nearby. A few that need more are rivals on the way to shapes or turns far from any that are
@@ -115,10 +116,11 @@ impl Fitter<'_, '_> {
 
     /// The minimum near another fit, whose derivatives by the unknowns of the base model serve to begin with
     /// (effects change them by no more than their own size). Not for effects that hide the field, which take
-    /// rows out of them.
-    pub fn refine_near(&self, start: &State, fit: &Fit) -> Result<Fit, Error> {
+    /// rows out of them. Anywhere on the way where the sum of squares cannot come to some value.
+    pub fn refine_near(&self, start: &State, fit: &Fit, reach: Option<f64>) -> Result<Fit, Error> {
         let damping = Damping { first: LIGHTEST, ..ITERATION.damping };
-        self.minimum(start, Some(&fit.jacobian), &Control { damping, most: NEAR, ..ITERATION })
+        let control = Control { damping, most: NEAR, reach, ..ITERATION };
+        self.minimum(start, Some(&fit.jacobian), &control)
     }
 
     /// The minimum from a state. Most of the work is in the derivatives by the unknowns of the base model,

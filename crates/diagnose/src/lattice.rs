@@ -17,9 +17,9 @@ use crate::what::named;
 use crate::whitening::{NoiseModel, code_nt};
 
 /// Most cells along a reading.
-const CELLS: usize = 1 << 21;
+const CELLS: usize = 1 << 20;
 /// Cells in the narrowest width.
-const FINE: f64 = 4.0;
+const FINE: f64 = 2.0;
 /// Fewest readings that show codes.
 const FEWEST: usize = 30;
 /// Codes count from this share of the noise on.

@@ -22,6 +22,7 @@ const ITERATION: Control = Control {
     raise: Tolerance { absolute: 0.0, relative: 1.0 },
     idle: None,
     keep: false,
+    reach: None,
 };
 
 /// One unknown.

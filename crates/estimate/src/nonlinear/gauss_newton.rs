@@ -150,6 +150,7 @@ mod tests {
             raise: Tolerance { absolute: 0.0, relative: 0.0 },
             idle: None,
             keep: true,
+            reach: None,
         };
         let found = minimise(&Kept, start, None, &control).expect("a descent");
         assert!(found.settled && found.steps.len() < 500);

@@ -114,6 +114,7 @@ pub fn solve<P: Problem>(
         raise: ROUNDING,
         idle: Some(ROUNDING),
         keep: false,
+        reach: None,
     };
     let Minimum { at, linear, steps, settled, shift, .. } =
         minimise(&dense, dense.at(start), None, &control)?;

@@ -94,6 +94,9 @@ pub struct Control {
     /// the least damping, a minimum is confirmed by a new one, and the step from there is taken as well if it
     /// leads down, without yet another.
     pub keep: bool,
+    /// A cost that a minimum must come below to matter: the iteration ends where four times what the next step
+    /// promises does not lead there.
+    pub reach: Option<f64>,
 }
 
 /// One step of the iteration.
@@ -133,6 +136,8 @@ const MUCH: f64 = 1.0;
 /// If no step, or only a heavily damped one, lowers the cost, the point has converged when the undamped step
 /// is below this many tolerances: residuals of readings without noise are rounding.
 const ROUNDED: f64 = 1e4;
+/// A step may lead further down than the linear problem promises, so many times.
+const FURTHER: f64 = 4.0;
 /// So many steps that lower the cost by next to nothing are enough.
 const IDLE: usize = 2;
 /// A step longer than this share of the one before does not shrink.
@@ -165,6 +170,10 @@ pub fn minimise<D: Descent>(
     loop {
         let cost = descent.cost(&at);
         let shift = linear.shift(damping);
+        let out_of_reach = |reach: f64| !steps.is_empty() && cost - FURTHER * shift * shift > reach;
+        if control.reach.is_some_and(out_of_reach) {
+            return Ok(Minimum { at, linear, damping, shift, steps, settled: false });
+        }
         let near = shift <= control.tolerance;
         let idle = last.idle >= IDLE && shift > SHRINKS * last.shift;
         if (near && is_new) || (idle && last.was_new) || steps.len() == control.most {
