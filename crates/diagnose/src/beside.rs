@@ -1,6 +1,7 @@
 //! Readings held against an instrument beside them: what explains the difference, by the engine `explain`.
 
 mod answer;
+mod declared;
 mod effects;
 mod magnitude;
 mod pair;
@@ -16,6 +17,7 @@ use joined::Pair;
 use paired::{Clock, Explanation};
 use physics::Kind;
 
+use self::declared::Declared;
 use crate::{Error, Options, against, plain};
 
 /// A name has at least this probability.
@@ -48,6 +50,8 @@ struct Compared {
     explained: Explained,
     /// What is to be said besides.
     notes: Vec<String>,
+    /// What the instruments' declared noise leaves.
+    declared: Option<Declared>,
     /// What makes variations the whole field: whether readings are in volts, a scale factor, offsets in nT.
     main_field: Option<(bool, f64, [Quantity; 3])>,
 }
@@ -109,6 +113,7 @@ impl Compared {
             unmoved: of.unmoved,
             explained: of.explained,
             notes: Vec::new(),
+            declared: None,
             main_field: None,
         }
     }
@@ -146,7 +151,7 @@ impl Compared {
         let effects = effects::effects(&self);
         let ambiguity = self.ambiguity();
         let fit = self.fit();
-        let verdict = verdict(&fit, &ambiguity, effects.is_empty());
+        let verdict = verdict(&fit, &ambiguity, effects.is_empty(), self.is_beyond());
         let mut diagnosis = Diagnosis {
             verdict,
             recordings: self.recordings.clone(),
@@ -162,6 +167,11 @@ impl Compared {
         };
         diagnosis.answer = answer::answer(&diagnosis, self.what);
         diagnosis
+    }
+
+    /// Whether more is left than the noise that is declared.
+    fn is_beyond(&self) -> bool {
+        self.declared.as_ref().is_some_and(|declared| declared.rest.is_beyond())
     }
 
     /// The name of a cause.
@@ -198,7 +208,10 @@ impl Compared {
             rms_after_nt: rms(&explained.residual[channel]),
             held_out_before_nt: held.base[channel],
             held_out_after_nt: held.named[channel],
-            noise_floor_nt: rms(&explained.residual[channel]),
+            noise_floor_nt: match &self.declared {
+                Some(declared) => declared.rms_nt[channel],
+                None => rms(&explained.residual[channel]),
+            },
         };
         Residual {
             rms_before_nt: rms(&self.as_it_came),
@@ -209,8 +222,11 @@ impl Compared {
             rms_after_nt: whole(&explained.residual),
             held_out_before_nt: rms(&held.base),
             held_out_after_nt: rms(&held.named),
-            noise_floor_nt: whole(&explained.residual),
-            noise_source: "residuals".into(),
+            noise_floor_nt: match &self.declared {
+                Some(declared) => rms(&declared.rms_nt),
+                None => whole(&explained.residual),
+            },
+            noise_source: if self.declared.is_some() { "declared" } else { "residuals" }.into(),
             by_recording: self.channels.iter().enumerate().map(of).collect(),
             plain: paired::regressions(explained, &|cause| self.name(cause)),
             ..Residual::default()
@@ -233,7 +249,9 @@ impl Compared {
 
     fn remaining(&self, verdict: Verdict) -> Remaining {
         let mut parts = Vec::new();
-        if verdict == Verdict::PartlyExplained {
+        if self.is_beyond() {
+            parts.push("more than the noise that is declared".to_string());
+        } else if verdict == Verdict::PartlyExplained {
             parts.push("a plain regression predicts held-out readings better".to_string());
         }
         if self.off > 0 {
@@ -306,6 +324,9 @@ impl Compared {
     fn next(&self, verdict: Verdict) -> Option<String> {
         let text = match verdict {
             Verdict::Ambiguous => "change one of the columns alone, everything else constant",
+            _ if self.is_beyond() => {
+                "record what is switched, moved and heated beside the instruments, and repeat"
+            }
             Verdict::PartlyExplained => "record what the plain regression follows in more states",
             _ => return None,
         };
@@ -313,14 +334,12 @@ impl Compared {
     }
 }
 
-fn verdict(fit: &Residual, ambiguity: &[Vec<String>], nothing: bool) -> Verdict {
-    if !ambiguity.is_empty() {
-        Verdict::Ambiguous
-    } else if nothing {
-        Verdict::Agrees
-    } else if plain::better(fit).is_some() {
-        Verdict::PartlyExplained
-    } else {
-        Verdict::Explained
+fn verdict(fit: &Residual, ambiguity: &[Vec<String>], nothing: bool, beyond: bool) -> Verdict {
+    match (nothing, beyond || plain::better(fit).is_some()) {
+        _ if !ambiguity.is_empty() => Verdict::Ambiguous,
+        (true, _) if beyond => Verdict::Unexplained,
+        (true, _) => Verdict::Agrees,
+        (false, true) => Verdict::PartlyExplained,
+        (false, false) => Verdict::Explained,
     }
 }

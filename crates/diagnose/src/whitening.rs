@@ -14,7 +14,8 @@ use crate::model::State;
 use crate::observed::Observed;
 use crate::stacked::Stacked;
 pub use declared::code_nt;
-use declared::{declared, estimate, known_freedom};
+pub use declared::known_freedom;
+use declared::{declared, estimate};
 
 /// Periods of declared flicker noise that count, in lengths of the campaign.
 const OLDEST: f64 = 8.0;

@@ -19,6 +19,11 @@ pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
             "nothing recorded explains what {what} reads beside its fit; {} nT rms are noise",
             rms(fit.rms_after_nt)
         ),
+        Verdict::Unexplained => format!(
+            "nothing recorded explains what {what} reads beside its fit: {} nT rms, where {} nT of noise are declared",
+            rms(fit.rms_after_nt),
+            rms(fit.noise_floor_nt)
+        ),
         Verdict::Ambiguous => {
             let sets: Vec<String> = diagnosis.ambiguity.iter().map(|set| set.join(" with ")).collect();
             format!("{} explain it equally well: {}; {with}, {falls}", what, sets.join(" or "))

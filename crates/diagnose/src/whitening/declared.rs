@@ -128,7 +128,7 @@ fn about_a_code(std: f64, width: f64) -> f64 {
 }
 
 /// 1/(2 u²) for the largest relative uncertainty u of a declared noise, as it is stated or else taken to be.
-pub(super) fn known_freedom(declared: &[Option<Noise>]) -> f64 {
+pub fn known_freedom(declared: &[Option<Noise>]) -> f64 {
     if declared.iter().any(Option::is_none) {
         return 0.0;
     }
