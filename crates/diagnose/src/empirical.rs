@@ -1,6 +1,6 @@
 //! Structure without a name, adopted as such where it predicts readings that were left out.
 
-use common::{AdoptedStructure, Verdict};
+use common::{AdoptedStructure, Document, Verdict};
 use estimate::gauss_newton::{Directions, Linear};
 use faer::Mat;
 use nalgebra::Vector3;
@@ -8,8 +8,9 @@ use physics::{EffectInstance, Kind};
 
 use crate::Error;
 use crate::Outcome;
+use crate::algebra::square;
 use crate::covariates::{self, Followed};
-use crate::fit::{Fit, Fitter};
+use crate::fit::{Fit, Fitter, settled_white};
 use crate::generic::{self, mean_step_s};
 use crate::model::Model;
 use crate::search::{Searcher, Structure};
@@ -23,8 +24,10 @@ const TRIED: usize = 12;
 const LOWERS: f64 = 0.01;
 
 /// Adds to the final fit of an answer that leaves something what is left in it, one structure after another, each
-/// the most significant that lowers the rms of readings that are left out.
+/// the most significant that lowers the rms of readings that are left out, and that of all. Noise that nobody declared
+/// is white here: with memory it takes all that is slow for itself.
 pub fn adopt(
+    document: &Document,
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
     outcome: &mut Outcome,
@@ -32,36 +35,50 @@ pub fn adopt(
     if !matches!(outcome.verdict, Verdict::PartlyExplained | Verdict::Unexplained) {
         return Ok(Vec::new());
     }
+    let slow = (0..model.observed.channels.len()).any(|channel| outcome.noise.remembers(channel));
+    let mut noise = outcome.noise.clone();
+    let mut best = (outcome.fit.clone(), outcome.last.clone());
+    if noise.known == 0.0 && slow {
+        let (fit, white) = settled_white(document, model, &outcome.fit.state)?;
+        let look = searcher.look(&Fitter { model, noise: &white }, &fit)?;
+        (noise, best) = (white, (fit, look));
+    }
+    let fitter = Fitter { model, noise: &noise };
     let fields = covariates::fields(model, &outcome.fit.state)?;
-    let (mut adopted, mut tried): (Vec<AdoptedStructure>, Vec<EffectInstance>) = (Vec::new(), Vec::new());
-    let mut before = left_out(&Fitter { model, noise: &outcome.noise }, &outcome.fit)?;
+    let (mut adopted, mut tried) = (Vec::new(), Vec::new());
+    let mut before = left_out(&fitter, &best.0)?;
     while adopted.len() < MOST && tried.len() < TRIED {
-        let mut effects =
-            outcome.last.structures.iter().filter_map(|structure| form(model, &fields, structure));
-        let fresh = |effect: &EffectInstance| {
-            !tried
-                .iter()
-                .any(|other| (&other.column, other.parameters[2]) == (&effect.column, effect.parameters[2]))
-        };
-        let Some(effect) = effects.find(fresh) else { break };
-        tried.push(effect.clone());
-        let fitter = Fitter { model, noise: &outcome.noise };
-        let fit = fitted(&fitter, &outcome.fit, &effect)?;
+        let mut groups = best.1.structures.iter().filter_map(|structure| form(model, &fields, structure));
+        let Some(group) = groups.find(|group| !tried.contains(&what(&group[0]))) else { break };
+        tried.push(what(&group[0]));
+        let mut fit = best.0.clone();
+        for effect in &group {
+            fit = fitted(&fitter, &fit, effect)?;
+        }
         let after = left_out(&fitter, &fit)?;
-        if after > (1.0 - LOWERS) * before {
+        if after > (1.0 - LOWERS) * before || square(&fit.residual) > square(&best.0.residual) {
             continue;
         }
         adopted.push(AdoptedStructure {
-            column: effect.column.clone().unwrap_or_default(),
-            lag_s: Some(effect.parameters[2]).filter(|lag_s| *lag_s > 0.0),
+            column: group[0].column.clone().unwrap_or_default(),
+            lag_s: Some(group[0].parameters[2]).filter(|lag_s| *lag_s > 0.0),
             held_out_before_nt: before,
             held_out_after_nt: after,
         });
         before = after;
-        outcome.last = searcher.look(&fitter, &fit)?;
-        outcome.fit = fit;
+        let look = searcher.look(&fitter, &fit)?;
+        best = (fit, look);
+    }
+    if !adopted.is_empty() {
+        (outcome.fit, outcome.last) = best;
+        outcome.noise = noise;
     }
     Ok(adopted)
+}
+
+/// What an effect follows, and how late.
+fn what(effect: &EffectInstance) -> (Option<String>, f64) {
+    (effect.column.clone(), effect.parameters[2])
 }
 
 /// A fit with structure added: its coefficients by least squares, all else held. What has no physics says nothing
@@ -87,8 +104,13 @@ fn left_out(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<f64, Error> {
     Ok((known.iter().sum::<f64>() / known.len().max(1) as f64 * fitter.noise.variance()).sqrt())
 }
 
-/// The effect that follows what a structure follows, coefficients zero.
-fn form(model: &Model<'_>, fields: &[Vec<Vector3<f64>>], structure: &Structure) -> Option<EffectInstance> {
+/// The effects that follow what a structure follows, coefficients zero: of time one in each recording, for what acts
+/// unseen begins anew.
+fn form(
+    model: &Model<'_>,
+    fields: &[Vec<Vector3<f64>>],
+    structure: &Structure,
+) -> Option<Vec<EffectInstance>> {
     let What::Smooth { covariate, axis } = &structure.what else { return None };
     let Followed { name, column, past } = covariates::followed(covariate, *axis)?;
     let runs = &model.observed.runs;
@@ -108,10 +130,17 @@ fn form(model: &Model<'_>, fields: &[Vec<Vector3<f64>>], structure: &Structure) 
             *own = Some(off.collect());
         }
     }
-    let [from, to] = range(series.iter().flatten().flatten())?;
-    let mut effect =
-        EffectInstance::new(Kind::Empirical, None, vec![0.0; Kind::Empirical.parameters().len()]);
-    effect.column = Some(column);
-    effect.parameters[..3].copy_from_slice(&[from, to, lag_s]);
-    Some(effect)
+    let of = |series: &[Option<Vec<f64>>], recording: Option<String>| {
+        let [from, to] = range(series.iter().flatten().flatten())?;
+        let mut effect =
+            EffectInstance::new(Kind::Empirical, None, vec![0.0; Kind::Empirical.parameters().len()]);
+        (effect.column, effect.recording) = (Some(column.clone()), recording);
+        effect.parameters[..3].copy_from_slice(&[from, to, lag_s]);
+        Some(effect)
+    };
+    if name != "time_s" {
+        return Some(vec![of(&series, None)?]);
+    }
+    let each = series.chunks(1).zip(runs).filter_map(|(own, run)| of(own, Some(run.recording.id.clone())));
+    Some(each.collect()).filter(|group: &Vec<EffectInstance>| !group.is_empty())
 }

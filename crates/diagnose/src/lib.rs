@@ -302,7 +302,7 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     }
     let empirical = if options.empirical {
         told("adopting structure without a name");
-        empirical::adopt(&model, &mut searcher, &mut outcome)?
+        empirical::adopt(&original, &model, &mut searcher, &mut outcome)?
     } else {
         Vec::new()
     };

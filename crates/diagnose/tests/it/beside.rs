@@ -200,3 +200,24 @@ fn a_variometer_beside_a_scalar_agrees_and_its_temperature_is_named() {
         assert!(fit.rms_after_nt < 0.021, "{fit:?}");
     }
 }
+
+/// A load that nobody recorded passes for noise only where nobody declared that.
+#[test]
+fn more_than_the_declared_noise_is_unexplained() {
+    for (load, declared, verdict) in
+        [(0.0, true, Verdict::Agrees), (1.0, true, Verdict::Unexplained), (1.0, false, Verdict::Agrees)]
+    {
+        let pair = Pair::new(61);
+        let on = pair.switched();
+        let mut document = pair.document(&[], |row| [load * on[row], 0.0, -load * on[row]], [0.05, 0.1]);
+        if declared {
+            let noise = |nt: f64| json!({"white_rms_nt": nt});
+            document.instrument =
+                serde_json::from_value(json!({"noise": noise(0.1)})).expect("an instrument");
+            document.recordings[0].conditions.reference_noise =
+                serde_json::from_value(noise(0.05)).expect("a noise");
+        }
+        let found = entry(document);
+        assert_eq!(found.verdict, verdict, "{load} {declared}: {}", found.answer);
+    }
+}
