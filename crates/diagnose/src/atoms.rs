@@ -203,7 +203,7 @@ impl<'p> Atoms<'p> {
     /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives
     /// by the shapes.
     pub fn add_fitted(&mut self, effect: &EffectInstance, columns: Vec<Stacked>, by_shape: Vec<Stacked>) {
-        let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if (own.kind, own.axis, &own.column) == (effect.kind, effect.axis, &effect.column));
+        let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if own.is_same(effect));
         let Some(number) = self.all.iter().position(is_it) else { return };
         let columns = self.add_columns(columns);
         let by_shape = self.add_columns(by_shape);

@@ -25,6 +25,8 @@ const SHAPES: usize = 16;
 const INFLECTIONS: usize = 9;
 /// Levels of clipping that are tried.
 const CLIPS: i32 = 14;
+/// The parameter by which what depends on the past begins.
+const START: &str = "start_share";
 /// Most steps into which a span is divided.
 const SPAN_STEPS: f64 = 60.0;
 /// A time constant of this share of a step is far less than one; from there on each so many times the one before.
@@ -264,12 +266,19 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
             }
         }
     }
+    // What depends on the past may begin demagnetised or at rest in the first field.
+    let at_rest = |effect: &EffectInstance| {
+        let start = effect.kind.parameters().iter().position(|info| info.name == START)?;
+        let mut effect = effect.clone();
+        effect.parameters[start] = 1.0;
+        Some(effect)
+    };
+    let at_rest: Vec<EffectInstance> = all.iter().filter_map(at_rest).collect();
+    all.extend(at_rest);
     let there = |effect: &EffectInstance| {
         state.effects.iter().any(|other| {
-            other.kind == effect.kind
-                && other.axis == effect.axis
-                && other.column == effect.column
-                && other.recording == effect.recording
+            (other.kind, other.axis, &other.column, &other.recording)
+                == (effect.kind, effect.axis, &effect.column, &effect.recording)
         })
     };
     all.retain(|effect| !there(effect));

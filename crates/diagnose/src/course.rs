@@ -290,7 +290,7 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     for effect in fitted {
         let near = |other: &EffectInstance| {
             let (own, theirs) = (shapes(effect), shapes(other));
-            (other.kind, other.axis, &other.column) == (effect.kind, effect.axis, &effect.column)
+            other.is_same(effect)
                 && theirs.len() == own.len()
                 && theirs.iter().zip(&own).all(|(a, b)| (a / b - 1.0).abs() < MOVED)
         };

@@ -314,7 +314,17 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
         outcome.verdict = Verdict::Explained;
     }
     outcome.parameters = report::quantities(&model, &outcome);
-    if matches!(outcome.verdict, Verdict::Explained | Verdict::PartlyExplained) || !empirical.is_empty() {
+    let named = match outcome.verdict {
+        Verdict::Explained | Verdict::PartlyExplained => true,
+        Verdict::Ambiguous => options.empirical,
+        Verdict::Agrees | Verdict::Unexplained => false,
+    };
+    if outcome.verdict == Verdict::Ambiguous && named {
+        let likeliest: Vec<&str> = outcome.found.iter().map(|found| found.name.as_str()).collect();
+        let note = "of names that cannot be told apart --empirical adopts the likeliest";
+        outcome.notes.push(format!("note: {note}: {}", likeliest.join(", ")));
+    }
+    if named || !empirical.is_empty() {
         outcome.parameters = adopt::adopt(document, &model, &outcome)?;
         physics::state_references(document, &References::of(&original));
     } else if options.refit {

@@ -4,7 +4,7 @@ use common::{AdoptedEffect, Axis, Document, Recording};
 use std::fmt;
 
 use crate::catalogue::Kind;
-use crate::effect::{Acts, Role};
+use crate::effect::{Acts, ParameterInfo, Role};
 use crate::{Error, References, Thermometer};
 
 /// When an effect acts, on the campaign's clock.
@@ -46,6 +46,15 @@ pub struct EffectInstance {
 }
 
 impl EffectInstance {
+    /// Whether another is the same effect, its amplitudes, shapes and moments apart.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let fixed = |info: &ParameterInfo| info.role == Role::Epoch && !info.is_moment();
+        let infos = self.kind.parameters().iter().zip(self.parameters.iter().zip(&other.parameters));
+        (self.kind, self.axis, &self.column, &self.recording)
+            == (other.kind, other.axis, &other.column, &other.recording)
+            && infos.filter(|(info, _)| fixed(info)).all(|(_, (own, theirs))| own == theirs)
+    }
+
     /// An effect in all recordings at all times, of one coil or sensor or of everything.
     pub fn new(kind: Kind, axis: Option<Axis>, parameters: Vec<f64>) -> Self {
         Self { kind, axis, column: None, recording: None, within: Within::default(), parameters }

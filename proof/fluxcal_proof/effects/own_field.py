@@ -87,7 +87,7 @@ def history(c: Campaign, axis: int, of: Callable[[np.ndarray], np.ndarray], *rig
 
 @kind("hysteresis", "play", FAMILY, "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis")
 def play(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
-    return history(c, axis, lambda way: plays(way, np.array([rng.uniform(0.06, 0.3)]), np.ones(1)), "hysteresis")
+    return history(c, axis, lambda way: plays(way, np.array([rng.uniform(0.06, 0.3)]), np.ones(1)), "hysteresis", "perming")
 
 
 @kind("hysteresis", "Preisach", FAMILY, "Mayergoyz 1991, Mathematical Models of Hysteresis; plays weighted by a density of widths")

@@ -44,7 +44,7 @@ impl Effect for Hysteresis {
 
 /// ΔB = r p, with p the play of half-width B_t: p stays within ±B_t of the field and moves only when pushed.
 /// Fields within ±B_t leave no trace; a larger one leaves r times its excess until an opposite one takes it
-/// back.
+/// back. A recording begins at s times its first field: demagnetised (s = 0), or at rest in that field (s = 1).
 pub struct Perming;
 
 impl Effect for Perming {
@@ -53,7 +53,7 @@ impl Effect for Perming {
         title: "offset steps after a large field",
         physics: "A field beyond a threshold magnetises the core or parts near it, and a share of the excess stays \
             when the field has gone.",
-        equation: "dB = r p, p = min(max(p, B - B_t), B + B_t), p = 0 at first",
+        equation: "dB = r p, p = min(max(p, B - B_t), B + B_t), p = s B_1 at first",
         source: "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis (play); Primdahl 1979, The fluxgate \
             magnetometer, J. Phys. E 12, 241 (perming)",
         family: Family::OwnField,
@@ -63,17 +63,19 @@ impl Effect for Perming {
         parameters: &[
             ParameterInfo::amplitude("remanence_ppm", 1.0, 1000.0),
             ParameterInfo::shape("threshold_nt", 1000.0, 200_000.0),
+            ParameterInfo::span("start_share", 0.1, 1.0),
         ],
         needs: &["rows in the order taken"],
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let mut play = T::from(0.0);
+        let mut before = None;
         for value in signal {
             let own = &mut value[around.axis.index()];
             if !own.re().is_finite() {
                 continue;
             }
+            let mut play = before.unwrap_or(*own * parameters[2]);
             let (low, high) = (*own - parameters[1], *own + parameters[1]);
             if play.re() < low.re() {
                 play = low;
@@ -81,6 +83,7 @@ impl Effect for Perming {
                 play = high;
             }
             *own += parameters[0] * play * 1e-6;
+            before = Some(play);
         }
         Ok(())
     }
