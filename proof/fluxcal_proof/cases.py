@@ -86,7 +86,15 @@ def campaign(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
     for kind, strength, effect in sorted(acting, key=lambda one: one[2].codes):
         if effect.codes:
             effect.noisy[:] = [a + b + w for a, b, w in zip(read, total, widened)]
-        parts, size = sized(effect, basic, strength * noise_nt)
+        target = strength * noise_nt
+        parts, size = sized(effect, basic, target)
+        # What cannot show, such as a threshold that no field reaches, is drawn again.
+        for _ in range(20):
+            if basic.left(parts) > 0.5 * target:
+                break
+            effect = kind.make(c, int(rng.integers(3)), rng)
+            effect.noisy[:] = [a + b + w for a, b, w in zip(read, total, widened)]
+            parts, size = sized(effect, basic, target)
         total = [a + b for a, b in zip(total, parts)]
         told.append(dict(kind=kind.name, form=kind.form, family=kind.family, source=kind.source, strength=strength,
                          right=effect.right, undecidable=effect.undecidable, left_nt=basic.left(parts),
