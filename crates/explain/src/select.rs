@@ -1,6 +1,7 @@
 //! From all causes in all forms to the best set: screened on some of the rows, decided on all of them.
 
 use estimate::Error;
+use std::collections::BTreeMap;
 
 use crate::amplitude::{self, Amplitude};
 use crate::fit::Fit;
@@ -78,10 +79,11 @@ pub fn select(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
 
 fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
     let all = problem.causes().len();
-    let forms = |cause: Cause| Form::all(problem, cause);
-    let count = |cause: Cause| forms(cause).len();
+    let forms: BTreeMap<Cause, Vec<Form>> =
+        problem.causes().into_iter().map(|cause| (cause, Form::all(problem, cause))).collect();
+    let count = |cause: Cause| forms[&cause].len();
     let mut offered: Vec<(Cause, Form)> =
-        among.iter().flat_map(|cause| forms(*cause).into_iter().map(|form| (*cause, form))).collect();
+        among.iter().flat_map(|cause| forms[cause].iter().map(|form| (*cause, *form))).collect();
     let mut noises = noises::laws(problem.step_s());
     if problem.rows() > ROWS || offered.len() > AT_ONCE {
         let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
