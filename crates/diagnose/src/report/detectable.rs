@@ -23,10 +23,14 @@ pub(super) fn detectable(
 ) -> Result<Vec<Detectable>, Error> {
     let (_, screen) = searcher.screen(fitter, &outcome.fit)?;
     let scale = outcome.last.rest.scale();
-    let mut all = Vec::new();
+    let mut all: Vec<Detectable> = Vec::new();
     for (number, candidate) in searcher.candidates().iter().enumerate() {
         let What::Physics(effect) = &candidate.what else { continue };
+        // Once for each name, whatever it begins with.
+        let target = effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone());
+        let is_told = |one: &Detectable| one.effect == effect.kind.name() && one.target == target;
         if effect.recording.is_some()
+            || all.iter().any(is_told)
             || outcome.fit.state.effects.iter().any(|other| named(other) == named(effect))
         {
             continue;
@@ -67,7 +71,6 @@ pub(super) fn detectable(
                 *entry = entry.min(size);
             }
         }
-        let target = effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone());
         all.push(Detectable {
             effect: effect.kind.name().into(),
             target,

@@ -375,10 +375,10 @@ fn every_effect_says_what_it_is() {
         }
         for info in kind.parameters() {
             assert!(info.low > 0.0 && info.low < info.high);
-            // Sharpness is a number; what refers to a column of any unit is in that unit.
+            // Sharpness and a share are numbers; what refers to a column of any unit is in that unit.
             let units =
                 ["_s", "_k", "_k2", "_a2", "_a", "_nt", "_ppm", "_hz", "_arcsec", "_m", "_day", "_unit"];
-            let others = ["sharpness", "from", "to", "reference"];
+            let others = ["sharpness", "start_share", "from", "to", "reference"];
             let known = units.iter().any(|unit| info.name.ends_with(unit)) || others.contains(&info.name);
             assert!(known, "{} has no unit", info.name);
         }
