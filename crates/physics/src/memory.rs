@@ -201,8 +201,8 @@ fn moments<T: Real>(u: T) -> [T; 4] {
     [(one - w1) * u, w1, w2, w3]
 }
 
-/// The rows at an end of a step in which every series of a drive is held: it is [`FLAT`] times less steep
-/// than beside it, where at least one jumps. A crest between two equal samples is not held. Empty where no
+/// The rows beside a jump before or after which every series of a drive is held: it is [`FLAT`] times less steep than
+/// on the other side, and may be one series before and another after. A crest between two equal samples is not held. Empty where no
 /// row is.
 pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     let rate = |step: usize, k: usize| match time_s[step + 1] - time_s[step] {
@@ -210,20 +210,18 @@ pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
         _ => 0.0,
     };
     let steps = drive.len().min(time_s.len()).saturating_sub(1);
-    let mut rows = vec![false; drive.len()];
-    for step in 0..steps {
-        let mut jumps = false;
-        let flat = (0..N).all(|k| {
-            let before = if step > 0 { rate(step - 1, k) } else { 0.0 };
-            let after = if step + 1 < steps { rate(step + 1, k) } else { 0.0 };
-            let beside = before.abs().max(after.abs());
-            jumps |= beside > 0.0;
-            rate(step, k).abs() <= FLAT * beside && before * after >= 0.0
-        });
-        if flat && jumps && time_s[step + 1] > time_s[step] {
-            (rows[step], rows[step + 1]) = (true, true);
-        }
-    }
+    let flat = |step: usize, k: usize| {
+        let before = if step > 0 { rate(step - 1, k) } else { 0.0 };
+        let after = if step + 1 < steps { rate(step + 1, k) } else { 0.0 };
+        rate(step, k).abs() <= FLAT * before.abs().max(after.abs()) && before * after >= 0.0
+    };
+    let is_held = |row: usize| {
+        let beside = row.saturating_sub(1)..(row + 1).min(steps);
+        let mut beside = beside.filter(|step| time_s[step + 1] > time_s[*step]);
+        let holds = |k: usize| beside.clone().any(|step| flat(step, k));
+        (0..N).all(holds) && beside.any(|step| (0..N).any(|k| rate(step, k) != 0.0))
+    };
+    let rows: Vec<bool> = (0..drive.len()).map(is_held).collect();
     if rows.contains(&true) { rows } else { Vec::new() }
 }
 
@@ -302,7 +300,16 @@ mod tests {
         let time: Vec<f64> = (0..8).map(f64::from).collect();
         let drive = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
         let mask = held(&time, &drive.map(|x| [x]));
-        assert_eq!(mask, [false, true, true, true, true, false, false, false]);
+        assert_eq!(
+            mask,
+            [2, 3].iter().fold(vec![false; 8], |mut rows, row| {
+                rows[*row] = true;
+                rows
+            })
+        );
+        // One drive after the other.
+        let turns: Vec<[f64; 2]> = (0..8).map(|row| [drive[row], if row > 3 { 2.0 } else { 0.0 }]).collect();
+        assert!((2..5).all(|row| held(&time, &turns)[row]));
         let signal = Signal::new(&time, drive.to_vec()).holding(&mask);
         let lagged: Vec<f64> = signal.lagged(0.1, Before::Moving);
         assert!(lagged[..3].iter().all(|y| *y == 0.0) && (lagged[4] - 1.0).abs() < 1e-3, "{lagged:?}");
