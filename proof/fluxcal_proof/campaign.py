@@ -40,7 +40,9 @@ class Run:
     def __init__(self, c: "Campaign", number: int, start: float, rows: int) -> None:
         rng, self.step, self.number, self.averages = c.rng, c.step, number, c.averages
         even = start + np.arange(rows) * self.step
-        self.t = even + (rng.uniform(-0.2, 0.2, rows) * self.step if c.uneven else 0.0)
+        # What averages does not begin before it has ended.
+        strays = (1 - SHARE) / 2 if c.averages else 0.2
+        self.t = even + (rng.uniform(-strays, strays, rows) * self.step if c.uneven else 0.0)
         self.t = np.round(np.sort(self.t), 6)
         width = SHARE * self.step if self.averages else 0.0
         inside = (np.arange(INSTANTS) + 0.5) / INSTANTS - 0.5 if self.averages else np.zeros(1)
@@ -71,8 +73,10 @@ class Run:
         """Waves and triangles in every other recording; else levels that are set just after a reading."""
         if self.held:
             rows = np.cumsum(rng.integers(15, 50, len(self.t) // 15 + 1))
-            after = 0.5 * (SHARE + 0.02) if self.averages else rng.uniform(0.02, 0.2)
-            return signal.levels(rng, self.t[rows[rows < len(self.t)] - 1] + (after + 0.2) * self.step)
+            rows = rows[rows < len(self.t)]
+            # Outside what a logger averages, whatever the times of its rows.
+            share = 0.5 if self.averages else rng.uniform(0.1, 0.4)
+            return signal.levels(rng, (1 - share) * self.t[rows - 1] + share * self.t[rows])
         if rng.uniform() < 0.3:
             return signal.triangle(rng, rng.uniform(100, 300) * self.step, rng.uniform(0.5, 1))
         waves = signal.smooth(rng, 400 * self.step, 40 * self.step, 1.0, 1.0, 12)
