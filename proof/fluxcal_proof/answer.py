@@ -63,7 +63,9 @@ def one(job: Job) -> tuple[str, float]:
         answer["entry"] = {k: v for k, v in document["diagnosis"][0].items() if k not in LEFT_OUT}
         if coils(given):
             predictions["diagnose"] = replayed(document, programs, place, timeout)
-            if answer["entry"]["verdict"] in ("unexplained", "partly_explained"):
+            if answer["entry"]["verdict"] == "explained":
+                predictions["empirical"] = predictions["diagnose"]
+            elif answer["entry"]["verdict"] != "agrees":
                 more, answer["empirical_seconds"], _ = run([str(programs / "diagnose"), "-q", "--empirical", "--refit", str(path)], timeout)
                 predictions["empirical"] = replayed(more, programs, place, timeout) if more else None
     if pair:

@@ -24,8 +24,8 @@
 //! - `plain` judges names by held-out readings, beside plain regressions (`report/rivals`); `linear` tells of a
 //!   refit that leaves more than linear least squares. `beside` answers of two instruments side by side.
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
-//!   residual (`moments`: which of it is new, which pays its trials factor). Large effects get a second round
-//!   about the calibration that goes with them.
+//!   residual (`moments`: which of it is new, which pays its trials factor). `approach`: where it
+//!   begins, for large effects about the calibration that goes with them.
 //! - `empirical` adopts structure without a name where that is asked for.
 //! - `moved` tests the stated calibration against the fit. `experiment` varies a recording and finds the
 //!   variant in which the rival names differ most. `report` and `adopt` write. `magnitude` compares a vector

@@ -77,6 +77,13 @@ fn a_step_in_all_sensors_is_told_once() {
     let found = diagnose::run(simulated(Scene::Runs, &effects, &noise(), 51), &Options::default())
         .expect("diagnosed");
     let entry = &found.diagnosis.as_ref().expect("a diagnosis")[0];
-    println!("{} {}", entry.answer, serde_json::to_string_pretty(&entry.effects).unwrap());
-    assert_eq!(entry.verdict, Verdict::Explained);
+    assert_eq!(entry.verdict, Verdict::Explained, "{}", entry.answer);
+    let [knock] = &entry.effects[..] else { panic!("{}", entry.answer) };
+    assert_eq!((knock.effect.as_str(), knock.sensor), ("reading_step", None));
+    for (name, height) in [("x_height_nt", 8.0), ("y_height_nt", -5.0), ("z_height_nt", 3.0)] {
+        let found = knock.parameters[name].value();
+        assert!((found - height).abs() < 0.3, "{name} {found}");
+    }
+    let model = found.model.as_ref().expect("a model");
+    assert_eq!(model.effects.iter().filter(|effect| effect.effect == "reading_step").count(), 3);
 }

@@ -148,6 +148,12 @@ fn hysteresis_lags_and_perming_stays() {
         perm,
         &[[0.0; 3], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
     );
+    // In a first field of 10 000 nT, demagnetised or at rest.
+    for (start, first) in [(0.0, 0.0), (1.0, 1.0)] {
+        let once = bench(json!({"coil_x_a": [10, 40, 10]}), json!({}));
+        let perm = json!({"effect": "perming", "sensor": "x", "parameters": {"remanence_ppm": 100, "threshold_nt": 30_000, "start_share": start}});
+        assert_adds(once, perm, &[[first, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    }
 }
 
 #[test]
