@@ -55,27 +55,27 @@ pub fn of(
     let ground = Ground { fit, noise: noise.clone(), look, codes: Vec::new() };
     let answer = course::weighed(searcher, &fitter, &ground, (&events, &[]))?;
     let Some(left) = answer.left else { return Ok(None) };
-    let of_noise = |left: &[f64], used: usize| {
-        if declared {
-            Ok(noise.clone())
-        } else {
-            NoiseModel::of(document, &model.observed, &base.state, left, Some(used))
+    // The residual that the noise is taken from, and the calibration to begin with.
+    let (left, used, state) = if is_large {
+        let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
+        match course::beside(model, &ground, &additions, None) {
+            Err(Error::Unanswerable(_)) => return Ok(None),
+            near => {
+                let near = near?;
+                (near.residual, near.rank, State { base: near.state.base, ..base.state.clone() })
+            }
         }
+    } else {
+        (left, ground.fit.rank, base.state.clone())
     };
-    let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
-    if !is_large {
-        let noise = of_noise(&left, ground.fit.rank)?;
-        let fit = Fitter { model, noise: &noise }.refine(&base.state)?;
-        return Ok(Some(Approach { fit, noise, pool: None }));
-    }
-    let near = match course::beside(model, &ground, &additions, None) {
-        Err(Error::Unanswerable(_)) => return Ok(None),
-        near => near?,
+    let noise = match declared {
+        true => noise,
+        false => NoiseModel::of(document, &model.observed, &base.state, &left, Some(used))?,
     };
-    let noise = of_noise(&near.residual, near.rank)?;
-    let state = State { base: near.state.base, ..base.state.clone() };
-    let fit = Fitter { model, noise: &noise }.at(&state)?;
-    Ok(Some(Approach { fit, noise, pool: Some(Pool::of(model, &state, without)?) }))
+    let fitter = Fitter { model, noise: &noise };
+    let fit = if is_large { fitter.at(&state)? } else { fitter.refine(&state)? };
+    let pool = is_large.then(|| Pool::of(model, &state, without)).transpose()?;
+    Ok(Some(Approach { fit, noise, pool }))
 }
 
 impl Approach {
