@@ -217,9 +217,10 @@ pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     };
     let is_held = |row: usize| {
         let beside = row.saturating_sub(1)..(row + 1).min(steps);
-        let mut beside = beside.filter(|step| time_s[step + 1] > time_s[*step]);
+        let beside = beside.filter(|step| time_s[step + 1] > time_s[*step]);
         let holds = |k: usize| beside.clone().any(|step| flat(step, k));
-        (0..N).all(holds) && beside.any(|step| (0..N).any(|k| rate(step, k) != 0.0))
+        let near = row.saturating_sub(2)..(row + 2).min(steps);
+        (0..N).all(holds) && near.into_iter().any(|step| (0..N).any(|k| rate(step, k) != 0.0))
     };
     let rows: Vec<bool> = (0..drive.len()).map(is_held).collect();
     if rows.contains(&true) { rows } else { Vec::new() }
@@ -300,13 +301,7 @@ mod tests {
         let time: Vec<f64> = (0..8).map(f64::from).collect();
         let drive = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
         let mask = held(&time, &drive.map(|x| [x]));
-        assert_eq!(
-            mask,
-            [2, 3].iter().fold(vec![false; 8], |mut rows, row| {
-                rows[*row] = true;
-                rows
-            })
-        );
+        assert_eq!(mask, [false, true, true, true, true, false, false, false]);
         // One drive after the other.
         let turns: Vec<[f64; 2]> = (0..8).map(|row| [drive[row], if row > 3 { 2.0 } else { 0.0 }]).collect();
         assert!((2..5).all(|row| held(&time, &turns)[row]));
