@@ -335,11 +335,13 @@ impl Compared {
 }
 
 fn verdict(fit: &Residual, ambiguity: &[Vec<String>], nothing: bool, beyond: bool) -> Verdict {
-    match (nothing, beyond || plain::better(fit).is_some()) {
-        _ if !ambiguity.is_empty() => Verdict::Ambiguous,
-        (true, _) if beyond => Verdict::Unexplained,
-        (true, _) => Verdict::Agrees,
-        (false, true) => Verdict::PartlyExplained,
-        (false, false) => Verdict::Explained,
+    if !ambiguity.is_empty() {
+        Verdict::Ambiguous
+    } else if nothing {
+        if beyond { Verdict::Unexplained } else { Verdict::Agrees }
+    } else if beyond || plain::better(fit).is_some() {
+        Verdict::PartlyExplained
+    } else {
+        Verdict::Explained
     }
 }

@@ -116,7 +116,7 @@ pub fn search(
                     continue;
                 }
                 known.extend(own);
-                // A rival that has no minimum is none, nor one that is far behind.
+                // A rival that has no minimum is none; one that is far behind is fitted no further.
                 let behind = Some(cost + BEHIND * (cost / fit.residual.len() as f64).max(1.0));
                 if let Ok(fit) = beside(model, &ground, rival, behind) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
@@ -279,7 +279,7 @@ pub fn weighed(
 
 /// Rounds in which rivals are fitted again.
 const REFITS: usize = 2;
-/// How far behind the answer a rival's sum of squares may be, in variances of the noise.
+/// A rival is fitted as long as its sum of squares can come so near to the answer's, in variances of the noise.
 const BEHIND: f64 = 60.0;
 /// How much a shape must have moved, as a share, to be tried anew.
 const MOVED: f64 = 0.02;

@@ -201,9 +201,9 @@ fn moments<T: Real>(u: T) -> [T; 4] {
     [(one - w1) * u, w1, w2, w3]
 }
 
-/// The rows beside a jump before or after which every series of a drive is held: it is [`FLAT`] times less steep than
-/// on the other side, and may be one series before and another after. A crest between two equal samples is not held. Empty where no
-/// row is.
+/// The rows near a jump in which every series of a drive is held, each on one side of the row at least: the step there
+/// is [`FLAT`] times less steep than one beside it. A crest between two equal samples is not held. Empty where no row
+/// is.
 pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     let rate = |step: usize, k: usize| match time_s[step + 1] - time_s[step] {
         length if length > 0.0 => (drive[step + 1][k] - drive[step][k]) / length,
@@ -219,8 +219,8 @@ pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
         let beside = row.saturating_sub(1)..(row + 1).min(steps);
         let beside = beside.filter(|step| time_s[step + 1] > time_s[*step]);
         let holds = |k: usize| beside.clone().any(|step| flat(step, k));
-        let near = row.saturating_sub(2)..(row + 2).min(steps);
-        (0..N).all(holds) && near.into_iter().any(|step| (0..N).any(|k| rate(step, k) != 0.0))
+        let mut near = row.saturating_sub(2)..(row + 2).min(steps);
+        (0..N).all(holds) && near.any(|step| (0..N).any(|k| rate(step, k) != 0.0))
     };
     let rows: Vec<bool> = (0..drive.len()).map(is_held).collect();
     if rows.contains(&true) { rows } else { Vec::new() }

@@ -1,6 +1,6 @@
 //! What the instruments' declared noise leaves of a difference, beside what is left.
 
-use common::{Axis, Document, Noise};
+use common::{Axis, Instrument, Noise, NoiseOfSensors};
 use noise::Whitening;
 
 use crate::level::Rest;
@@ -15,16 +15,13 @@ pub struct Declared {
 }
 
 impl Declared {
-    /// Of the residual of each axis (nT) at some times; None unless both instruments' noise is declared.
+    /// Of the test instrument and the reference's noise beside the residual of each axis (nT) at some times; None unless
+    /// both have noise that is declared.
     pub fn of(
-        document: &Document,
-        recordings: &[String],
+        (instrument, reference): (&Instrument, &NoiseOfSensors),
         time_s: &[f64],
         residual: &[Vec<f64>],
     ) -> Option<Self> {
-        let first = document.recordings.iter().find(|one| recordings.contains(&one.id))?;
-        let reference = first.conditions.reference_noise.as_ref()?;
-        let instrument = document.instrument.as_ref()?;
         let code = instrument.quantisation_nt.unwrap_or(0.0) / 12.0_f64.sqrt();
         let length_s = time_s.last()? - time_s.first()?;
         let (mut noises, mut rms_nt, mut sum_of_squares, mut freedom) = (Vec::new(), Vec::new(), 0.0, 0.0);

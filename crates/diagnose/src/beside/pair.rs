@@ -16,7 +16,9 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Er
     let of = paired::find(&read, covariates.clone(), false, told)?.explained(told)?;
     let as_it_came = (0..3).map(|axis| rms(&stated(document, &read, axis, &of.rows))).collect();
     let channels = Axis::ALL.iter().map(|axis| (format!("test_{axis}_nt"), Some(*axis))).collect();
-    let declared = Declared::of(document, &read.recordings, &of.problem.time_s, &of.explained.residual);
+    let instruments = document.instrument.as_ref().zip(read.reference_noise.as_ref());
+    let declared =
+        instruments.and_then(|both| Declared::of(both, &of.problem.time_s, &of.explained.residual));
     Ok(Compared {
         declared,
         recordings: read.recordings.clone(),

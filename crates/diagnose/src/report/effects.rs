@@ -152,7 +152,9 @@ pub(super) fn explained(
 /// What happened in several sensors at one moment as one, with an amplitude for each.
 fn together(effect: &mut ExplainedEffect, instances: &[EffectInstance]) {
     let mut parameters = IndexMap::new();
-    for (part, instance) in effect.list.iter().zip(instances) {
+    let mut parts: Vec<_> = effect.list.iter().zip(instances).collect();
+    parts.sort_by_key(|(_, instance)| instance.axis.map(Axis::index));
+    for (part, instance) in parts {
         let infos = instance.kind.parameters().iter().zip(&part.parameters);
         for (info, (name, value)) in infos {
             let name = match instance.axis.filter(|_| info.role == Role::Amplitude) {
@@ -162,6 +164,8 @@ fn together(effect: &mut ExplainedEffect, instances: &[EffectInstance]) {
             parameters.insert(name, value.clone());
         }
     }
+    // What they share stands behind.
+    parameters.sort_by_key(|name, _| !Axis::ALL.iter().any(|axis| name.starts_with(&format!("{axis}_"))));
     let recording = instances[0].recording.clone();
     effect.sensor = None;
     effect.list = vec![ListedEffect { recording, parameters }];
