@@ -263,7 +263,8 @@ fn moment(
             Some(format!("single readings of {axis}"))
         }
         (Addition::Effect(effect), Some(_)) if matches!(channel.reader, Reader::Sensor(_)) => {
-            Some(format!("step at {} s in \"{}\"", effect.parameters[1], run.recording.id))
+            let later = if alone { "" } else { " and later" };
+            Some(format!("step at {} s in \"{}\"{later}", effect.parameters[1], run.recording.id))
         }
         _ => None,
     };
