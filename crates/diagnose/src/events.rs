@@ -119,12 +119,13 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
             (_, Reader::Sensor(axis)) => vec![(best, Some(axis))],
             _ => vec![(best, None)],
         };
-        // In the other channels the moment is known from the one in which it was found.
+        // In the other channels the moment is known from the one in which it was found: each is one look.
+        let beside = places.len() as f64;
         places.sort_by_key(|(place, _)| place.channel != best.channel);
         let mut by_chance = 0.0;
         for place in places {
             let searched = place.0.channel == best.channel;
-            let own = if searched { looks } else { 1.0 };
+            let own = if searched { looks } else { beside };
             let Some(proposal) = moment(fitter, fit, (rest, scatter), place, (kind, alone), own)? else {
                 continue;
             };
