@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use physics::{Acts, EffectInstance, Family, Kind, Place};
 
 use crate::Error;
+use crate::channel::Run;
 use crate::model::{Model, State};
 
 /// The field along a sensor.
@@ -18,6 +19,17 @@ pub const RATE: &str = "the rate of ";
 
 /// What stands behind something that goes with time too.
 pub const WITH_TIME: &str = ", with time";
+
+/// What stands between two whose product something follows.
+pub const TIMES: &str = " times ";
+
+/// The sum of the sizes of all coil currents: what the supply delivers.
+pub const LOAD: &str = "the sum of the coil currents";
+
+/// That sum, row by row.
+pub fn load(run: &Run<'_>) -> Vec<f64> {
+    run.setting.context.current_a.iter().map(|current| current.abs().sum()).collect()
+}
 
 /// The field across a sensor, along another.
 pub fn across(other: Axis) -> String {
@@ -37,6 +49,12 @@ pub fn is_across(name: &str) -> bool {
 /// What kind of physics it is to follow something.
 pub fn family(covariate: &str) -> Family {
     match covariate {
+        name if name.contains(TIMES) => {
+            let both = name.split(TIMES).map(family);
+            both.reduce(|one, other| if one == other { one } else { Family::FollowsColumn })
+                .unwrap_or(Family::FollowsColumn)
+        }
+        LOAD => Family::OwnField,
         name if name.strip_prefix(PAST).is_some_and(is_field) => Family::LateResponse,
         name if is_field(name) => Family::OwnField,
         "position_m" => Family::Position,
@@ -60,13 +78,17 @@ pub struct Followed<'n> {
 pub fn followed(covariate: &str, sensor: Axis) -> Option<Followed<'_>> {
     let past = covariate.strip_prefix(PAST).or_else(|| covariate.strip_prefix(RATE));
     let name = past.unwrap_or(covariate);
-    let across = Axis::ALL.into_iter().find(|axis| name == across(*axis));
-    let column = match across.or((name == ALONG).then_some(sensor)) {
-        Some(axis) => format!("field_{axis}"),
-        None if name.ends_with(WITH_TIME) || ["row", "position_m"].contains(&name) => return None,
-        None => name.to_string(),
+    let own = |name: &str| {
+        let across = Axis::ALL.into_iter().find(|axis| name == across(*axis));
+        match across.or((name == ALONG).then_some(sensor)) {
+            Some(axis) => Some(format!("field_{axis}")),
+            None if name == LOAD => Some("coils_a".into()),
+            None if name.ends_with(WITH_TIME) || ["row", "position_m"].contains(&name) => None,
+            None => Some(name.to_string()),
+        }
     };
-    Some(Followed { name, column, past: past.is_some() })
+    let columns: Option<Vec<String>> = name.split(TIMES).map(own).collect();
+    Some(Followed { name, column: columns?.join("*"), past: past.is_some() })
 }
 
 /// What is known of the Sun.
@@ -139,7 +161,21 @@ pub fn values(
     if let Some(other) = Axis::ALL.into_iter().find(|other| name == across(*other)) {
         return Some(component(other));
     }
-    model.observed.runs[run].setting.context.optional(name).map(|values| values.to_vec())
+    if let Some((one, other)) = name.split_once(TIMES) {
+        let [one, other] = [one, other].map(|name| values(model, fields, run, axis, name));
+        return Some(one?.iter().zip(other?).map(|(a, b)| a * b).collect());
+    }
+    if name == LOAD {
+        return Some(load(&model.observed.runs[run]));
+    }
+    let context = &model.observed.runs[run].setting.context;
+    let values = context.optional(name).map(|values| values.to_vec());
+    // Time is the campaign's.
+    if name == "time_s" {
+        values.map(|time| time.iter().map(|t| t + context.clock_s).collect())
+    } else {
+        values
+    }
 }
 
 /// Whether an effect acts on coils.

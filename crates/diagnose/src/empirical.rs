@@ -1,6 +1,6 @@
 //! Structure without a name, adopted as such where it predicts readings that were left out.
 
-use common::{AdoptedStructure, Document, Verdict};
+use common::{AdoptedStructure, Axis, Document, Verdict};
 use estimate::gauss_newton::{Directions, Linear};
 use faer::Mat;
 use nalgebra::Vector3;
@@ -9,7 +9,7 @@ use physics::{EffectInstance, Kind};
 use crate::Error;
 use crate::Outcome;
 use crate::algebra::square;
-use crate::covariates::{self, Followed};
+use crate::covariates::{self, Followed, TIMES};
 use crate::fit::{Fit, Fitter, settled_white};
 use crate::generic::{self, mean_step_s};
 use crate::model::Model;
@@ -105,23 +105,33 @@ fn left_out(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<f64, Error> {
 }
 
 /// The effects that follow what a structure follows, coefficients zero: of time one in each recording, for what acts
-/// unseen begins anew.
+/// unseen begins anew; beside a product each of the two.
 fn form(
     model: &Model<'_>,
     fields: &[Vec<Vector3<f64>>],
     structure: &Structure,
 ) -> Option<Vec<EffectInstance>> {
     let What::Smooth { covariate, axis } = &structure.what else { return None };
-    let Followed { name, column, past } = covariates::followed(covariate, *axis)?;
+    let names = covariate.split(TIMES).filter(|name| *name != covariate);
+    let all = [covariate.as_str()]
+        .into_iter()
+        .chain(names)
+        .map(|name| one(model, fields, (name, *axis), structure.shape));
+    Some(all.collect::<Option<Vec<_>>>()?.concat()).filter(|group| !group.is_empty())
+}
+
+/// The effects that follow one covariate of a sensor.
+fn one(
+    model: &Model<'_>,
+    fields: &[Vec<Vector3<f64>>],
+    (covariate, axis): (&str, Axis),
+    shape: Option<f64>,
+) -> Option<Vec<EffectInstance>> {
+    let Followed { name, column, past } = covariates::followed(covariate, axis)?;
     let runs = &model.observed.runs;
     let step_s = runs.iter().find_map(|run| run.time_s.map(mean_step_s));
-    let lag_s = if past { structure.shape? * step_s? } else { 0.0 };
-    let series = |number: usize| match (name, runs[number].time_s) {
-        ("time_s", Some(time)) => {
-            Some(time.iter().map(|t| t + runs[number].setting.context.clock_s).collect())
-        }
-        _ => covariates::values(model, fields, number, Some(*axis), name),
-    };
+    let lag_s = if past { shape? * step_s? } else { 0.0 };
+    let series = |number: usize| covariates::values(model, fields, number, Some(axis), name);
     let mut series: Vec<Option<Vec<f64>>> = (0..runs.len()).map(series).collect();
     if past {
         let before = generic::past(model, &series, |_| lag_s);
@@ -142,5 +152,5 @@ fn form(
         return Some(vec![of(&series, None)?]);
     }
     let each = series.chunks(1).zip(runs).filter_map(|(own, run)| of(own, Some(run.recording.id.clone())));
-    Some(each.collect()).filter(|group: &Vec<EffectInstance>| !group.is_empty())
+    Some(each.collect())
 }

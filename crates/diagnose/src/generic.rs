@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
-use crate::covariates::{ALONG, PAST, RATE, WITH_TIME, across, fields};
+use crate::covariates::{ALONG, LOAD, PAST, RATE, TIMES, WITH_TIME, across, fields, load};
 use crate::model::{Model, State};
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, polynomial, range};
@@ -20,6 +20,8 @@ const WAVES: usize = 16;
 const POWERS: usize = 8;
 /// Thresholds that are tried of a covariate.
 const THRESHOLDS: usize = 15;
+/// Moments that divide the span of time.
+const MOMENTS: usize = 32;
 /// How far back the past goes, in rows.
 const PAST_ROWS: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 /// Fewest rows of a recording without times along whose rows smooth functions are taken.
@@ -102,26 +104,60 @@ fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec
         all.extend(powers(model, axis, name.clone(), column));
         all.extend(thresholds(model, axis, name.clone(), column));
     }
+    let load = |run: usize| Some(load(&model.observed.runs[run]));
+    all.extend(powers(model, axis, LOAD.into(), load));
+    let pairs = products(&all);
+    all.extend(pairs);
     all
 }
 
-/// The field along a sensor times half waves of time: a sensitivity that moves.
+/// What follows the product of two: that, and each of them.
+fn products(all: &[Generic]) -> Vec<Generic> {
+    let straight = all.iter().filter_map(|(what, trials)| match (what, &trials[..]) {
+        (What::Smooth { covariate, axis }, [(None, columns)]) => Some((covariate, *axis, columns.first()?)),
+        _ => None,
+    });
+    let straight: Vec<(&String, Axis, &Stacked)> =
+        straight.filter(|(name, ..)| !name.ends_with(WITH_TIME)).collect();
+    let pairs = straight
+        .iter()
+        .enumerate()
+        .flat_map(|(k, one)| straight[k + 1..].iter().map(move |other| (one, other)));
+    let of =
+        |((name, axis, one), (of, _, other)): (&(&String, Axis, &Stacked), &(&String, Axis, &Stacked))| {
+            let product = one.times(|channel| other.part(channel).map(<[f64]>::to_vec));
+            let what = What::Smooth { covariate: format!("{name}{TIMES}{of}"), axis: *axis };
+            (what, vec![(None, vec![product, (*one).clone(), (*other).clone()])])
+        };
+    pairs.map(of).collect()
+}
+
+/// The field along a sensor times functions of time, a sensitivity that moves: half waves, and levels before and after
+/// a moment.
 fn with_time(
     model: &Model<'_>,
     axis: Axis,
     fields: &[Vec<Vector3<f64>>],
     span: Option<(f64, f64)>,
-) -> Option<Generic> {
-    let span = span?;
-    let waves = (1..=POWERS).map(|k| {
+) -> Vec<Generic> {
+    let Some(span) = span else { return Vec::new() };
+    let times = |of: &dyn Fn(&Run<'_>, usize) -> Option<f64>| {
         stack(model, axis, |run, channel| {
-            let at =
-                |row: &usize| Some(half_waves(k, run, *row, span)? * fields[channel.run][*row][axis.index()]);
+            let at = |row: &usize| Some(of(run, *row)? * fields[channel.run][*row][axis.index()]);
             channel.rows.iter().map(|row| at(row).unwrap_or(0.0)).collect()
         })
+    };
+    let waves = (1..=POWERS).map(|k| times(&|run, row| half_waves(k, run, row, span))).collect();
+    let moments = (1..MOMENTS).map(|k| {
+        let moment = span.0 + span.1 * k as f64 / MOMENTS as f64;
+        let level = |run: &Run<'_>, row: usize| {
+            let time = run.time_s?[row] + run.setting.context.clock_s;
+            Some(f64::from(u8::from(time >= moment)))
+        };
+        (Some(moment), vec![times(&level)])
     });
     let what = What::Smooth { covariate: format!("{ALONG}{WITH_TIME}"), axis };
-    Some((what, vec![(None, waves.collect())]))
+    vec![(what.clone(), vec![(None, waves)]), (what, moments.collect())]
 }
 
 /// What the field along or across a sensor was before: by how much it is off its own past, a first-order lag

@@ -59,24 +59,22 @@ impl Stacked {
         })
     }
 
-    /// Share of the sum of squares of another column that lies where this one is present, row by row or
-    /// channel by channel: where its mean square is more than some share of that of the whole.
-    pub fn share_beside(&self, other: &Self, present: f64, by_row: bool) -> f64 {
-        let (sum, count) = self.squares();
-        let least = present * sum / count.max(1) as f64;
-        let both =
+    /// Share of its sum of squares that lies where it has less of its whole than `times` what another column has there
+    /// of its own, row by row or channel by channel.
+    pub fn share_below(&self, other: &Self, times: f64, by_row: bool) -> f64 {
+        let whole = |column: &Self| column.squares().0.max(f64::MIN_POSITIVE);
+        let times = times * whole(self) / whole(other);
+        let below = |own: &[f64], other: &[f64]| {
+            let (own, other) = (square(own), square(other));
+            if own < times * other { own } else { 0.0 }
+        };
+        let parts =
             self.0.iter().zip(&other.0).filter_map(|(own, other)| Some((own.as_ref()?, other.as_ref()?)));
-        let beside = |own: &[f64], other: &[f64]| {
-            if square(own) > least * own.len() as f64 { square(other) } else { 0.0 }
+        let of = |(own, other): (&Arc<[f64]>, &Arc<[f64]>)| -> f64 {
+            let size = if by_row { 1 } else { own.len().max(1) };
+            own.chunks(size).zip(other.chunks(size)).map(|(own, other)| below(own, other)).sum()
         };
-        let beside: f64 = if by_row {
-            both.flat_map(|(own, other)| own.chunks(1).zip(other.chunks(1)))
-                .map(|(own, other)| beside(own, other))
-                .sum()
-        } else {
-            both.map(|(own, other)| beside(own, other)).sum()
-        };
-        beside / other.squares().0.max(f64::MIN_POSITIVE)
+        parts.map(of).sum::<f64>() / whole(self)
     }
 
     /// Columns times factors, added up.
@@ -130,13 +128,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_others_do_counts_where_a_column_is_present() {
-        // One reading of the first channel, a little everywhere else.
-        let own = Stacked::new(vec![Some(vec![0.01, 10.0, 0.01, 0.01]), Some(vec![0.01; 4])]);
-        let other = Stacked::new(vec![Some(vec![3.0, 1.0, 1.0, 1.0]), Some(vec![2.0; 4])]);
-        assert_eq!(own.share_beside(&other, 0.05, true), 1.0 / 28.0);
-        assert_eq!(own.share_beside(&other, 0.05, false), 12.0 / 28.0);
-        let elsewhere = Stacked::new(vec![None, Some(vec![2.0; 4])]);
-        assert_eq!(own.share_beside(&elsewhere, 0.05, false), 0.0);
+    fn what_lies_where_another_column_is_much_larger_is_told_by_row_and_by_channel() {
+        // Half of it beside the other column, which has all of its own in one row.
+        let own = Stacked::new(vec![Some(vec![1.0, 1.0]), Some(vec![1.0, 1.0]), None]);
+        let other = Stacked::new(vec![Some(vec![0.0, 9.0]), None, Some(vec![1.0, 1.0])]);
+        assert_eq!(own.share_below(&other, 1.0, false), 0.5);
+        assert_eq!(own.share_below(&other, 1.0, true), 0.25);
+        assert_eq!(own.share_below(&other, 0.1, true), 0.0);
     }
 }

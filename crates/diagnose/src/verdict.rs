@@ -22,9 +22,8 @@ const NEEDED: f64 = 0.01;
 /// many of them at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
-/// A member acts in the channels in which its mean square is more than this share of that of all, an event in
-/// such readings.
-const PRESENT: f64 = 0.05;
+/// A member of which more than this share lies where others explain so much more is taken for their model error.
+const HIDDEN: f64 = 0.5;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
 
@@ -299,31 +298,33 @@ fn core(
             refused.push((atoms.all[members[number].atom].name.clone(), why));
             continue;
         }
-        let share = |own: usize| {
+        // Share of what one explains that lies where the lasting others explain so much more that it may be their
+        // model error.
+        let hidden = |own: usize| {
             let others = others_of(&core, own);
             let alone = all - gain(&others);
             let lasts = |other: &usize| !is_local(&atoms.all[members[*other].atom]);
             let lasting: Vec<usize> = others.into_iter().filter(lasts).collect();
             if lasting.is_empty() {
-                return 1.0;
+                return 0.0;
             }
-            // What the others do where this one does something.
             let together = lasting.iter().map(|other| (&contributions[*other], 1.0));
             let together = Stacked::sum(&together.collect::<Vec<_>>());
             let by_row = atoms.all[members[own].atom].is_event() && alone > EVENT_SHARE * (alone + beyond);
-            let beside =
-                contributions[own].share_beside(&together, PRESENT, by_row) * gain(&lasting).max(0.0);
-            alone / (alone + beside)
+            let most =
+                NEGLIGIBLE / (1.0 - NEGLIGIBLE) * gain(&lasting).max(0.0) / alone.max(f64::MIN_POSITIVE);
+            contributions[own].share_below(&together, most, by_row)
         };
-        let shares = core.iter().map(|number| (share(*number), *number));
-        let least = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
-        let Some((share, number)) = least else { return (core, refused) };
+        let shares = core.iter().map(|number| (hidden(*number), *number));
+        let most = shares.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share > HIDDEN);
+        let Some((share, number)) = most else { return (core, refused) };
         core.retain(|other| *other != number);
         let atom = &atoms.all[members[number].atom];
         if atom.is_named() {
             let why = format!(
-                "it explains only {} % of the explained variance where it acts, within the model error of the other effects",
-                significant(100.0 * share, 2)
+                "{} % of what it explains lies where the other effects explain {} times as much: it may be their model error",
+                significant(100.0 * share, 2),
+                significant(1.0 / NEGLIGIBLE, 2)
             );
             refused.push((atom.name.clone(), why));
         }

@@ -7,10 +7,14 @@ use std::f64::consts::PI;
 
 /// Exponents of the part with memory, and by how many times it exceeds the white part at the frequency of
 /// twenty steps.
-const EXPONENTS: [f64; 3] = [1.0, 1.5, 2.0];
+const EXPONENTS: [f64; 2] = [1.0, 2.0];
 const RATIOS: [f64; 5] = [0.03, 0.3, 3.0, 30.0, 300.0];
 /// That frequency, in cycles a step.
 const AT: f64 = 0.05;
+/// Corners below which noise is as large as at the longest periods, in radians a step, and by how many times it
+/// exceeds the white part there: what noise of the reference leaves beside an answer to the smooth field.
+const CORNERS: [f64; 3] = [0.25, 1.0 / 32.0, 1.0 / 256.0];
+const PLATEAUS: [f64; 2] = [3.0, 30.0];
 /// The longest period of noise with memory, in lengths of the recording.
 const OLDEST: f64 = 2.0;
 /// From one corner frequency of a fitted spectrum to the next, and the highest, in cycles a step.
@@ -26,6 +30,8 @@ const UNKNOWNS: f64 = 6.0;
 pub enum Form {
     /// White noise and a power law.
     Law(Noise),
+    /// White noise of one and a process.
+    Plateau(Process),
     /// White noise (its variance) and processes whose sum has the spectrum of a residual.
     Fitted(f64, Vec<Process>),
 }
@@ -40,6 +46,7 @@ impl Form {
         let length = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
         match self {
             Form::Law(noise) => Whitening::of(noise, Some(time_s), time_s.len(), OLDEST * length),
+            Form::Plateau(process) => Whitening::of_processes(vec![process.clone()], 1.0, time_s),
             Form::Fitted(white, processes) => Whitening::of_processes(processes.clone(), *white, time_s),
         }
         .map_err(|_| Error::Series("whose times are not in order, or that no noise is for"))
@@ -48,15 +55,15 @@ impl Form {
     /// ln of its prior odds: what is fitted to the readings is paid for.
     pub fn prior(&self, rows: usize) -> f64 {
         match self {
-            Form::Law(_) => 0.0,
+            Form::Law(_) | Form::Plateau(_) => 0.0,
             Form::Fitted(..) => -0.5 * UNKNOWNS * (rows as f64).ln(),
         }
     }
 }
 
-/// Laws for a white part of one: S(f) = 2 Δt (1 + r (0.05/(f Δt))^α), one-sided. An exponent of two is a random
-/// walk, whose state needs no memory of the time before the first row: a level stands for it. The first is
-/// white noise.
+/// Laws for a white part of one: S(f) = 2 Δt (1 + r (0.05/(f Δt))^α), one-sided, and 2 Δt (1 + r/(1 + (2π f/λ)²)). An
+/// exponent of two is a random walk, whose state needs no memory of the time before the first row: a level stands for
+/// it. The first is white noise.
 pub fn laws(step_s: f64) -> Vec<Form> {
     let white = Noise { white_rms_nt: Some(1.0), ..Noise::default() };
     let with = |exponent: f64, ratio: f64| {
@@ -73,7 +80,12 @@ pub fn laws(step_s: f64) -> Vec<Form> {
         }
     };
     let red = EXPONENTS.iter().flat_map(|exponent| RATIOS.map(|ratio| with(*exponent, ratio)));
-    [white.clone()].into_iter().chain(red).map(Form::Law).collect()
+    // An Ornstein–Uhlenbeck process of variance v has 4 v/λ at the longest periods.
+    let plateaus = CORNERS.iter().flat_map(|corner| {
+        PLATEAUS.map(|ratio| Process { variance_nt2: 0.5 * ratio * corner, rate_per_s: corner / step_s })
+    });
+    let laws = [white.clone()].into_iter().chain(red).map(Form::Law);
+    laws.chain(plateaus.map(Form::Plateau)).collect()
 }
 
 /// White noise and Ornstein–Uhlenbeck processes, a corner in each 1.3 octaves, of the greatest Whittle

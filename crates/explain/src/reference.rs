@@ -1,9 +1,11 @@
 //! Noise of the readings that the others are regressed on.
 //!
-//! Of a regressor X = B + ν the products hold the noise too: XᵀC⁻¹X = BᵀC⁻¹B + σ² NᵀC⁻¹N, N what noise of one nT makes
-//! of the columns. It pulls their coefficients toward zero, and what is then left of the field a column that
-//! resembles the field may make up for. How large σ is cannot be seen in the difference: σ² is a share of the white
-//! part of what is left, and at most what the readings themselves have at the shortest periods.
+//! Of a regressor X = B + ν the products hold the noise too: XᵀX = BᵀB + σ² NᵀN, N what noise of one nT makes of the
+//! columns. It pulls their coefficients toward zero, and what is then left of the field a column that resembles the
+//! field may make up for; such a column may even predict the noise of the readings, where it shows the field better
+//! than they do. So each name is weighed once more with the answer to the field held at what it is without that noise.
+//! How large σ is cannot be seen in the difference: σ² is a share of the white part of what is left, and at most what
+//! the readings themselves have at the shortest periods.
 //!
 //! Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 2.2.
 
@@ -12,7 +14,6 @@ use crate::problem::Problem;
 use crate::products::Product;
 use crate::search::Named;
 use crate::stack::Stack;
-use crate::sweep::Sweep;
 
 /// So many shares are tried, to all.
 pub const SHARES: u32 = 10;
@@ -35,34 +36,44 @@ fn largest(problem: &Problem) -> Vec<f64> {
     problem.base.iter().take(problem.noisy).map(of).collect()
 }
 
-/// The products as a channel has them at some share: what the noise adds to the readings' products is taken out.
-/// It is in the difference all the same: what is left beside the whole set keeps its size.
-pub fn corrected(
+/// The products of a channel's readings less their answer to the field, as white noise has it beside a set at some
+/// share: that noise is taken out of the readings' products. The first of the products is of white noise.
+pub fn held(
     problem: &Problem,
     stack: &Stack,
     made: &[Product],
     (channel, set): (usize, &[Named]),
     share: f64,
 ) -> Vec<Product> {
-    let (own, y, rows) = (largest(problem), stack.y[channel], problem.rows());
-    let columns: Vec<usize> =
-        set.iter().flat_map(|one| stack.candidates[one.candidate].columns[channel].clone()).collect();
-    let before = Sweep::of(made, rows, y, &stack.base, &columns).left();
+    let (y, white, rows) = (stack.y[channel], &made[0], problem.rows());
     // A column that resembles the field takes noise of the reference away: beside the base alone it is all there.
-    let alone = Sweep::of(made, rows, y, &stack.base, &[]).left();
-    let mut all = made.to_vec();
-    for (product, left) in all.iter_mut().zip(&alone) {
-        let white = left / rows as f64 * stack.scale[y] * stack.scale[y];
-        let noise: Vec<f64> = own.iter().map(|own| own.min(white)).collect();
-        let seen = visible(stack, product, &noise);
-        for (reading, noise) in noise.iter().enumerate() {
-            let (column, by) = added(stack, product, reading);
-            product.gram[(column, column)] -= share * seen * noise * by;
-        }
+    let left = Fit::of(&white.gram, y, &stack.base).left / rows as f64 * stack.scale[y] * stack.scale[y];
+    let noise: Vec<f64> = largest(problem).into_iter().map(|own| own.min(left)).collect();
+    let shown = set.iter().filter(|one| one.channels[channel]);
+    let own = shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone());
+    let mut columns: Vec<usize> = stack.base.iter().copied().chain(own).collect();
+    if hidden(stack, white, &noise, &columns) > MOST {
+        // Names that are the field itself do not say how the instrument answers to it.
+        columns.truncate(stack.base.len());
     }
-    let after = Sweep::of(&all, rows, y, &stack.base, &columns).left();
-    for ((product, before), after) in all.iter_mut().zip(&before).zip(after) {
-        product.gram[(y, y)] += before - after;
+    let seen = (MOST / hidden(stack, white, &noise, &columns)).min(1.0);
+    let mut gram = white.gram.clone();
+    for (reading, noise) in noise.iter().enumerate() {
+        let (column, by) = added(stack, white, reading);
+        gram[(column, column)] -= share * seen * noise * by;
+    }
+    let fit = Fit::of(&gram, y, &columns);
+    let answer: Vec<(usize, f64)> =
+        stack.base[..problem.noisy].iter().map(|column| (*column, fit.coefficient(*column))).collect();
+    let mut all = made.to_vec();
+    for Product { gram, .. } in &mut all {
+        // Row and column of y − Σ m x.
+        for other in 0..gram.ncols() {
+            gram[(y, other)] -= answer.iter().map(|(x, m)| m * gram[(*x, other)]).sum::<f64>();
+        }
+        for other in 0..gram.ncols() {
+            gram[(other, y)] -= answer.iter().map(|(x, m)| m * gram[(other, *x)]).sum::<f64>();
+        }
     }
     all
 }
@@ -73,16 +84,14 @@ fn added(stack: &Stack, product: &Product, reading: usize) -> (usize, f64) {
     (column, product.gram[(noise, noise)] / (stack.scale[column] * stack.scale[column]))
 }
 
-/// By how much the noise has to be smaller, so that the readings hold more than noise.
-fn visible(stack: &Stack, product: &Product, noise: &[f64]) -> f64 {
-    let fit = Fit::of(&product.gram, stack.base[0], &stack.base);
+/// The share of noise in what other columns leave of the readings: the largest in any direction is at most this sum.
+fn hidden(stack: &Stack, product: &Product, noise: &[f64], columns: &[usize]) -> f64 {
+    let fit = Fit::of(&product.gram, stack.base[0], columns);
     let share = |(reading, noise): (usize, &f64)| {
         let (column, by) = added(stack, product, reading);
         fit.place(column).map_or(0.0, |place| noise * by * fit.inverse[(place, place)])
     };
-    // The largest share in any direction is at most their sum.
-    let sum: f64 = noise.iter().enumerate().map(share).sum();
-    if sum > MOST { MOST / sum } else { 1.0 }
+    noise.iter().enumerate().map(share).sum()
 }
 
 #[cfg(test)]

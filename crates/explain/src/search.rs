@@ -61,6 +61,7 @@ pub fn odds(square: f64, rows: usize, causes: usize) -> f64 {
 /// The search over sets of candidates.
 pub struct Search<'a> {
     stack: &'a Stack,
+    base: &'a [usize],
     products: Vec<&'a [Product]>,
     rows: usize,
     /// ln of the prior odds of each candidate.
@@ -78,12 +79,12 @@ impl<'a> Search<'a> {
         causes: usize,
         forms: &dyn Fn(Cause) -> usize,
     ) -> Self {
-        Self::of_channels(stack, vec![products; stack.y.len()], rows, causes, forms)
+        Self::of_channels((stack, &stack.base), vec![products; stack.y.len()], rows, causes, forms)
     }
 
-    /// The same with other products for each channel.
+    /// The same with another base, and with products of its own for each channel.
     pub fn of_channels(
-        stack: &'a Stack,
+        (stack, base): (&'a Stack, &'a [usize]),
         products: Vec<&'a [Product]>,
         rows: usize,
         causes: usize,
@@ -93,7 +94,7 @@ impl<'a> Search<'a> {
             -AGAINST - (causes.max(1) as f64).ln() + of_form(candidate, forms(candidate.cause))
         };
         let prior = stack.candidates.iter().map(of).collect();
-        Self { stack, products, rows, prior, weighed: BTreeMap::new() }
+        Self { stack, base, products, rows, prior, weighed: BTreeMap::new() }
     }
 
     /// The best set, and all that were weighed with their probabilities, the most probable first.
@@ -142,7 +143,7 @@ impl<'a> Search<'a> {
             let shown = named.iter().filter(|one| one.channels[channel]);
             let columns: Vec<usize> =
                 shown.flat_map(|one| self.stack.candidates[one.candidate].columns[channel].clone()).collect();
-            Sweep::of(self.products[channel], self.rows, self.stack.y[channel], &self.stack.base, &columns)
+            Sweep::of(self.products[channel], self.rows, self.stack.y[channel], self.base, &columns)
         };
         (0..self.stack.y.len()).map(of).collect()
     }

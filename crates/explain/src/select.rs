@@ -9,7 +9,7 @@ use crate::form::Form;
 use crate::noises;
 use crate::problem::{Cause, Problem};
 use crate::products::{Product, products};
-use crate::reference::{SHARES, corrected};
+use crate::reference::{SHARES, held};
 use crate::search::{Named, Rival, Search};
 use crate::stack::Stack;
 use crate::sweep::Sweep;
@@ -255,8 +255,8 @@ fn refine(
     Ok(())
 }
 
-/// ln of the odds of the set with and without each of some parts of it, less the most that it loses by any share of the noise
-/// that may be the reference's.
+/// ln of the odds of the set with and without each of some parts of it, less the most that they lose where the answer to the
+/// field is held, any share of the noise being the reference's.
 fn gains(
     problem: &Problem,
     named: &[(Cause, Form, Vec<bool>)],
@@ -274,39 +274,35 @@ fn gains(
         .enumerate()
         .map(|(candidate, (_, _, channels))| Named { candidate, channels: channels.clone() })
         .collect();
-    let without = |search: Search<'_>| -> Vec<f64> {
-        let whole = search.evidence(&all);
-        let of = |out: &Vec<usize>| {
-            let rest = all.iter().filter(|one| !out.contains(&one.candidate)).cloned();
-            whole - search.evidence(&rest.collect::<Vec<_>>())
-        };
-        parts.iter().map(of).collect()
+    let without = |out: &Vec<usize>| -> Vec<Named> {
+        all.iter().filter(|one| !out.contains(&one.candidate)).cloned().collect()
     };
+    let gain = |search: &Search<'_>, out: &Vec<usize>| search.evidence(&all) - search.evidence(&without(out));
     let stack = Stack::of(problem, &offered);
     let made = products(&problem.time_s, &stack, noises)?;
-    let mut gains = without(Search::new(&stack, &made, problem.rows(), causes, count));
+    let search = Search::new(&stack, &made, problem.rows(), causes, count);
+    let mut gains: Vec<f64> = parts.iter().map(|out| gain(&search, out)).collect();
     if problem.noisy == 0 {
         return Ok(gains);
     }
-    // What a gain loses by the noise is seen beside the readings alone.
     let plain = problem.plain();
     let mut stack = Stack::of(&plain, &offered);
     stack.shade(&plain);
-    let made = products(&problem.time_s, &stack, noises)?;
-    let at = |share: u32| {
+    let made = products(&plain.time_s, &stack, noises)?;
+    let search = Search::new(&stack, &made, problem.rows(), causes, count);
+    let free: Vec<f64> = parts.iter().map(|out| gain(&search, out)).collect();
+    let mut lost = vec![0.0_f64; parts.len()];
+    for share in 0..=SHARES {
         let share = f64::from(share) / f64::from(SHARES);
-        let of = |channel: usize| corrected(&plain, &stack, &made, (channel, &all), share);
+        let of = |channel: usize| held(&plain, &stack, &made, (channel, &all), share);
         let of_channels: Vec<Vec<Product>> = (0..stack.y.len()).map(of).collect();
         let of_channels = of_channels.iter().map(Vec::as_slice).collect();
-        without(Search::of_channels(&stack, of_channels, problem.rows(), causes, count))
-    };
-    let none = at(0);
-    let mut lost = vec![0.0_f64; parts.len()];
-    for gains in (1..=SHARES).map(at) {
-        lost.iter_mut()
-            .zip(none.iter().zip(&gains))
-            .for_each(|(lost, (none, gain))| *lost = lost.max(none - gain));
+        let beside = (&stack, &stack.base[plain.noisy..]);
+        let search = Search::of_channels(beside, of_channels, problem.rows(), causes, count);
+        for ((lost, free), out) in lost.iter_mut().zip(&free).zip(parts) {
+            *lost = lost.max(free - gain(&search, out));
+        }
     }
-    gains.iter_mut().zip(lost).for_each(|(gain, lost): (&mut f64, f64)| *gain -= lost);
+    gains.iter_mut().zip(lost).for_each(|(gain, lost)| *gain -= lost);
     Ok(gains)
 }

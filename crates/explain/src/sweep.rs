@@ -69,11 +69,6 @@ impl<'a> Sweep<'a> {
         (0..weights.len()).fold(0, |a, b| if weights[b] > weights[a] { b } else { a })
     }
 
-    /// The sum of squares that is left, under each form of noise.
-    pub fn left(&self) -> Vec<f64> {
-        self.under.iter().map(|under| under.left).collect()
-    }
-
     /// What the width of the prior of a coefficient costs, ½ ln (1 + n).
     pub fn width(&self) -> f64 {
         0.5 * self.rows.ln_1p()

@@ -8,8 +8,9 @@ const BEFORE: usize = 3;
 
 /// dB = Σ c_k T_k(x) for each sensor, T_k Chebyshev's polynomials of the orders 1 to 6 and x from −1 to 1 by the
 /// place of the covariate between its two ends. The covariate is a recorded column, `time_s` on the campaign's
-/// clock, or `field_x`, `field_y`, `field_z` in SEN; with a lag τ it is by how much that is off its own past, a
-/// first-order lag in equilibrium at the first row.
+/// clock, `field_x`, `field_y`, `field_z` in SEN, `coils_a`, the sum of the sizes of the coil currents, or the product
+/// of two such with a star between them; with a lag τ it is by how much that is off its own past, a first-order lag in
+/// equilibrium at the first row.
 pub struct Empirical;
 
 macro_rules! coefficients {
@@ -45,21 +46,33 @@ impl Effect for Empirical {
             "x_1_nt", "x_2_nt", "x_3_nt", "x_4_nt", "x_5_nt", "x_6_nt", "y_1_nt", "y_2_nt", "y_3_nt",
             "y_4_nt", "y_5_nt", "y_6_nt", "z_1_nt", "z_2_nt", "z_3_nt", "z_4_nt", "z_5_nt", "z_6_nt"
         ),
-        needs: &["a column, or `field_x`, `field_y`, `field_z`", "rows in the order taken"],
+        needs: &["a column, `field_x`, `field_y`, `field_z`, or `coils_a`", "rows in the order taken"],
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let [from, to, lag_s] = [parameters[0], parameters[1], parameters[2]];
         let context = around.context;
-        let mut values: Vec<T> = match around.column {
-            "field_x" => around.field_sen.iter().map(|field| field[0]).collect(),
-            "field_y" => around.field_sen.iter().map(|field| field[1]).collect(),
-            "field_z" => around.field_sen.iter().map(|field| field[2]).collect(),
-            name => {
-                let zero = if name == "time_s" { context.clock_s } else { 0.0 };
-                context.column(name, Self::ABOUT.name)?.iter().map(|value| T::from(value + zero)).collect()
-            }
+        let of = |name: &str| -> Result<Vec<T>> {
+            let field = |axis: usize| around.field_sen.iter().map(|field| field[axis]).collect();
+            Ok(match name {
+                "field_x" => field(0),
+                "field_y" => field(1),
+                "field_z" => field(2),
+                "coils_a" => context.current_a.iter().map(|current| T::from(current.abs().sum())).collect(),
+                name => {
+                    let zero = if name == "time_s" { context.clock_s } else { 0.0 };
+                    context
+                        .column(name, Self::ABOUT.name)?
+                        .iter()
+                        .map(|value| T::from(value + zero))
+                        .collect()
+                }
+            })
         };
+        let mut values = of(around.column.split('*').next().unwrap_or_default())?;
+        for other in around.column.split('*').skip(1) {
+            values.iter_mut().zip(of(other)?).for_each(|(value, other)| *value *= other);
+        }
         if lag_s.re() > 0.0 {
             let time = context.times(Self::ABOUT.name)?;
             let past = Signal::new(time, values.clone()).lagged(lag_s, Before::Equilibrium);
