@@ -25,6 +25,8 @@ DEVELOP = {
     ("quantisation", "too few codes"),
     ("unnamed", "contact that opens and closes"), ("unnamed", "product of the three fields"),
     ("unnamed", "gain that changes at a moment"), ("unnamed", "heater that nobody recorded"),
+    ("unnamed", "product of panel current and temperature"), ("unnamed", "supply that sags"), ("unnamed", "crystal axes"),
+    ("unnamed", "chaotic convection"), ("unnamed", "tank that fills and empties"),
     ("undecidable", "two equal temperatures"), ("undecidable", "two currents in proportion"),
 }
 

@@ -266,11 +266,8 @@ pub fn weighed(
         let white = sets.residual(&members, &ground.fit.white);
         let residual = fitter.in_nt(&white);
         let left = Fit { white, residual, ..ground.fit.clone() };
-        let rest = Rest {
-            sum_of_squares: square(&left.white),
-            freedom: (ground.look.rest.freedom - sets.unknowns(&members) as f64).max(1.0),
-            known: ground.look.rest.known,
-        };
+        let rest = ground.look.rest.beside(0.0, sets.unknowns(&members));
+        let rest = Rest { sum_of_squares: square(&left.white), ..rest };
         let more = fresh(&searcher.events(fitter, &left, &rest)?.1, &answer.events);
         answer.events.extend(more);
     }

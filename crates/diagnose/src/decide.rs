@@ -39,11 +39,8 @@ pub const EXPLAINED: f64 = 0.95;
 pub const PARTLY: f64 = 0.3;
 /// Share of what the best set explains above which a set of names alone may do as well at other shapes.
 pub const AS_MUCH: f64 = 0.8;
-/// Share of what the names explain together, where one acts, below which it may be a departure from the form of the
-/// others. Larger: small effects beside large ones are left unnamed.
-pub const NEGLIGIBLE: f64 = 0.02;
-/// Share of what would be left without it from which an event is held against what others do in its own
-/// readings, and not against all that they do in the channel.
-pub const EVENT_SHARE: f64 = 0.2;
+/// Share of what the names explain together below which one is taken for a departure from the form of the others, 6 % of
+/// their amplitude. Larger: small effects beside large ones are left unnamed.
+pub const NEGLIGIBLE: f64 = 0.004;
 /// What two names of one sensor do together, over the sum of what each does, below which they cancel.
 pub const CANCEL: f64 = 0.25;

@@ -36,7 +36,13 @@ impl Rest {
         f_p(gain / rank / (left / freedom), rank, freedom)
     }
 
-    /// The same of an event, which is significant against the scatter of its own series.
+    /// What others leave that gain so much with so many unknowns.
+    pub fn beside(&self, gain: f64, unknowns: usize) -> Self {
+        let freedom = (self.freedom - unknowns as f64).max(1.0);
+        Self { sum_of_squares: (self.sum_of_squares - gain).max(0.0), freedom, ..*self }
+    }
+
+    /// Probability of such a gain of an event, which is significant against the scatter of its own series.
     pub fn p_of_event(&self, gain: f64, scatter: f64, rank: usize) -> f64 {
         let left = self.sum_of_squares - gain;
         let (gain, left) = (gain / scatter, (left / scatter).max(left.min(self.freedom)));

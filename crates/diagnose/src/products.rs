@@ -64,13 +64,6 @@ impl Products {
         left
     }
 
-    /// Whitened columns times coefficients, added up.
-    pub fn sum(&self, terms: &[(usize, f64)]) -> Stacked {
-        let terms: Vec<(&Stacked, f64)> =
-            terms.iter().map(|(k, factor)| (&self.columns[*k], *factor)).collect();
-        Stacked::sum(&terms)
-    }
-
     /// A whitened column.
     pub fn column(&self, number: usize) -> &Stacked {
         &self.columns[number]

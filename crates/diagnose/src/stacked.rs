@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::algebra::square;
 use crate::observed::Observed;
 
 /// A column, channel by channel; None where it is zero throughout. Copies share their values.
@@ -59,22 +58,23 @@ impl Stacked {
         })
     }
 
-    /// Share of its sum of squares that lies where it has less of its whole than `times` what another column has there
-    /// of its own, row by row or channel by channel.
-    pub fn share_below(&self, other: &Self, times: f64, by_row: bool) -> f64 {
-        let whole = |column: &Self| column.squares().0.max(f64::MIN_POSITIVE);
-        let times = times * whole(self) / whole(other);
-        let below = |own: &[f64], other: &[f64]| {
-            let (own, other) = (square(own), square(other));
-            if own < times * other { own } else { 0.0 }
-        };
-        let parts =
-            self.0.iter().zip(&other.0).filter_map(|(own, other)| Some((own.as_ref()?, other.as_ref()?)));
+    /// In how many readings it is something.
+    pub fn readings(&self) -> usize {
+        self.0.iter().flatten().flat_map(|part| part.iter()).filter(|value| **value != 0.0).count()
+    }
+
+    /// Share of its sum of squares in readings from or to which another column changes by more than it is there.
+    pub fn share_at_edges(&self, other: &Self) -> f64 {
+        let both = self.0.iter().zip(&other.0);
+        let both = both.filter_map(|(own, other)| Some((own.as_ref()?, other.as_ref()?)));
+        let at_edge = |own: f64, others: &[f64]| others.windows(2).any(|w| (w[1] - w[0]).abs() > own.abs());
         let of = |(own, other): (&Arc<[f64]>, &Arc<[f64]>)| -> f64 {
-            let size = if by_row { 1 } else { own.len().max(1) };
-            own.chunks(size).zip(other.chunks(size)).map(|(own, other)| below(own, other)).sum()
+            let rows = own.iter().enumerate().filter(|(row, own)| {
+                **own != 0.0 && at_edge(**own, &other[row.saturating_sub(1)..(row + 2).min(other.len())])
+            });
+            rows.map(|(_, own)| own * own).sum()
         };
-        parts.map(of).sum::<f64>() / whole(self)
+        both.map(of).sum::<f64>() / self.squares().0.max(f64::MIN_POSITIVE)
     }
 
     /// Columns times factors, added up.
@@ -128,12 +128,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_lies_where_another_column_is_much_larger_is_told_by_row_and_by_channel() {
-        // Half of it beside the other column, which has all of its own in one row.
-        let own = Stacked::new(vec![Some(vec![1.0, 1.0]), Some(vec![1.0, 1.0]), None]);
-        let other = Stacked::new(vec![Some(vec![0.0, 9.0]), None, Some(vec![1.0, 1.0])]);
-        assert_eq!(own.share_below(&other, 1.0, false), 0.5);
-        assert_eq!(own.share_below(&other, 1.0, true), 0.25);
-        assert_eq!(own.share_below(&other, 0.1, true), 0.0);
+    fn readings_at_edges_of_another_column_are_told() {
+        let own = Stacked::new(vec![Some(vec![0.0, 3.0, 0.0, 0.0, 0.0, -3.0])]);
+        let other = Stacked::new(vec![Some(vec![0.0, 0.0, 5.0, 5.0, 5.0, 5.0])]);
+        assert_eq!(own.share_at_edges(&other), 0.5);
+        assert_eq!(other.share_at_edges(&own), 0.0);
     }
 }

@@ -7,7 +7,7 @@ use estimate::stats::chi_squared_quantile;
 
 use crate::additions::additions;
 use crate::atoms::{Atom, Atoms, Thing};
-use crate::decide::{AS_MUCH, EVENT_SHARE, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
+use crate::decide::{AS_MUCH, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
 use crate::families;
 use crate::level::{Rest, at_least_one};
 use crate::proposal::{Addition, Proposal};
@@ -22,8 +22,6 @@ const NEEDED: f64 = 0.01;
 /// many of them at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
-/// A member of which more than this share lies where others explain so much more is taken for their model error.
-const HIDDEN: f64 = 0.5;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
 
@@ -148,7 +146,7 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
     let departures = sets.departures(&best.members);
     let ranks: Vec<usize> =
         best.members.iter().enumerate().map(|(k, _)| coefficients.get(k).map_or(1, Vec::len)).collect();
-    let (core, mut refused) = core(atoms, sets, (&best.members, &ranks), (beyond, level));
+    let (core, mut refused) = core(atoms, sets, (&best.members, &ranks), level);
     let members = |which: &dyn Fn(&usize) -> bool| -> Vec<Member> {
         core.iter().filter(|number| which(number)).map(|number| best.members[*number].clone()).collect()
     };
@@ -173,8 +171,10 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
             continue;
         }
         let slot = Slot::of(atoms, ranked, &weights, (best, member.atom));
-        let gain = whole_core - sets.gain(&members(&|other| *other != number));
-        let p = by_chance(&rest, atom, gain, coefficients.get(number).map_or(1, Vec::len));
+        let by_others = sets.gain(&members(&|other| *other != number));
+        let gain = whole_core - by_others;
+        let others = core.iter().filter(|other| **other != number).map(|other| ranks[*other]).sum();
+        let p = by_chance(&rest.beside(by_others, others), atom, gain, ranks[number]);
         let Some(equal) = slot.equal else {
             let why = format!(
                 "its probability is {}; unidentified structure and other sets of effects have the rest",
@@ -269,17 +269,34 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
 }
 
 /// The members whose gain beside the others chance does not have too, and which explain more than a
-/// negligible share of what others explain in the same readings; and the names of the rest: the one that
+/// negligible share of what all explain; and the names of the rest: the one that
 /// explains least goes first, and the others are looked at again without it.
 fn core(
     atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
     (members, ranks): (&[Member], &[usize]),
-    (beyond, level): (f64, f64),
+    level: f64,
 ) -> (Vec<usize>, Vec<(String, String)>) {
     let mut core: Vec<usize> = (0..members.len()).collect();
     let mut refused = Vec::new();
-    let Some(contributions) = sets.contributions(members) else { return (core, refused) };
+    // A single reading at which others jump is a matter of their timing.
+    if let Some(contributions) = sets.contributions(members) {
+        let single = |number: &usize| {
+            let columns = atoms.all[members[*number].atom].shapes[members[*number].shape].columns.iter();
+            is_local(&atoms.all[members[*number].atom])
+                && columns.map(|column| atoms.column(*column)).all(|column| column.readings() == 1)
+        };
+        core.retain(|number| {
+            let others = contributions.iter().enumerate().filter(|(other, _)| other != number);
+            let others = Stacked::sum(&others.map(|(_, column)| (column, 1.0)).collect::<Vec<_>>());
+            let is_edge = single(number) && contributions[*number].share_at_edges(&others) > 0.5;
+            if is_edge {
+                let why = "other effects change by more than it in the same readings: it may be their timing";
+                refused.push((atoms.all[members[*number].atom].name.clone(), why.to_string()));
+            }
+            !is_edge
+        });
+    }
     let gain =
         |some: &[usize]| sets.gain(&some.iter().map(|number| members[*number].clone()).collect::<Vec<_>>());
     loop {
@@ -289,8 +306,11 @@ fn core(
         let names: Vec<usize> = core.iter().copied().filter(is_named).collect();
         let by_names = gain(&names);
         let chance = names.iter().map(|number| {
-            let alone = by_names - gain(&others_of(&names, *number));
-            (by_chance(&sets.rest, &atoms.all[members[*number].atom], alone, ranks[*number]), *number)
+            let others = others_of(&names, *number);
+            let by_others = gain(&others);
+            let rest = sets.rest.beside(by_others, others.iter().map(|other| ranks[*other]).sum());
+            let atom = &atoms.all[members[*number].atom];
+            (by_chance(&rest, atom, by_names - by_others, ranks[*number]), *number)
         });
         if let Some((p, number)) = chance.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(p, _)| *p > level) {
             core.retain(|other| *other != number);
@@ -298,33 +318,22 @@ fn core(
             refused.push((atoms.all[members[number].atom].name.clone(), why));
             continue;
         }
-        // Share of what one explains that lies where the lasting others explain so much more that it may be their
-        // model error.
-        let hidden = |own: usize| {
+        let share = |own: usize| {
             let others = others_of(&core, own);
-            let alone = all - gain(&others);
             let lasts = |other: &usize| !is_local(&atoms.all[members[*other].atom]);
-            let lasting: Vec<usize> = others.into_iter().filter(lasts).collect();
-            if lasting.is_empty() {
-                return 0.0;
-            }
-            let together = lasting.iter().map(|other| (&contributions[*other], 1.0));
-            let together = Stacked::sum(&together.collect::<Vec<_>>());
-            let by_row = atoms.all[members[own].atom].is_event() && alone > EVENT_SHARE * (alone + beyond);
-            let most =
-                NEGLIGIBLE / (1.0 - NEGLIGIBLE) * gain(&lasting).max(0.0) / alone.max(f64::MIN_POSITIVE);
-            contributions[own].share_below(&together, most, by_row)
+            let lasting: Vec<usize> = others.iter().copied().filter(lasts).collect();
+            let alone = all - gain(&others);
+            alone / (alone + gain(&lasting).max(0.0))
         };
-        let shares = core.iter().map(|number| (hidden(*number), *number));
-        let most = shares.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share > HIDDEN);
-        let Some((share, number)) = most else { return (core, refused) };
+        let shares = core.iter().map(|number| (share(*number), *number));
+        let least = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
+        let Some((share, number)) = least else { return (core, refused) };
         core.retain(|other| *other != number);
         let atom = &atoms.all[members[number].atom];
         if atom.is_named() {
             let why = format!(
-                "{} % of what it explains lies where the other effects explain {} times as much: it may be their model error",
-                significant(100.0 * share, 2),
-                significant(1.0 / NEGLIGIBLE, 2)
+                "it explains only {} % of the explained variance, within the model error of the other effects",
+                significant(100.0 * share, 2)
             );
             refused.push((atom.name.clone(), why));
         }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Exponents of the part with memory, and by how many times it exceeds the white part at the frequency of
 /// twenty steps.
-const EXPONENTS: [f64; 2] = [1.0, 2.0];
+const EXPONENTS: [f64; 3] = [1.0, 1.5, 2.0];
 const RATIOS: [f64; 5] = [0.03, 0.3, 3.0, 30.0, 300.0];
 /// That frequency, in cycles a step.
 const AT: f64 = 0.05;

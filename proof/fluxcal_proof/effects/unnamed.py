@@ -86,3 +86,50 @@ def sagging(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
         return np.maximum(total - limit, 0.0)
 
     return in_sensor(c, axis, drop)
+
+
+@kind("unnamed", "charge of a battery", "", "a loop current in proportion to the charge: the integral of the panel's current less a load")
+def charge(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    def state(run: Run) -> np.ndarray:
+        net = run.columns["panel_current_a"](run.at)
+        return np.cumsum((net - net.mean()) * np.gradient(run.at)) / (run.at[-1] - run.at[0])
+
+    return in_sensor(c, axis, state)
+
+
+@kind("unnamed", "thermostat", "", "a heater that nobody recorded: on below a temperature, off above another; Franklin, Powell and Emami-Naeini")
+def thermostat(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    band = float(rng.uniform(0.1, 0.3))
+
+    def on(run: Run) -> np.ndarray:
+        warm = warmth(run, SENSOR)
+        warm = (warm - warm.mean()) / np.ptp(warm)
+        state, out = 0.0, np.empty(len(warm))
+        for i, value in enumerate(warm):
+            state = 1.0 if value < -band else 0.0 if value > band else state
+            out[i] = state
+        return out
+
+    return in_sensor(c, axis, on)
+
+
+@kind("unnamed", "dead band", "", "a comparator that does not see small fields: nothing within a band, the excess beyond it; Slotine and Li 1991")
+def dead_band(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    band = float(rng.uniform(0.2, 0.5))
+    return in_sensor(c, axis, lambda run: np.sign(own(c, run, axis)) * np.maximum(np.abs(own(c, run, axis)) - band, 0.0))
+
+
+@kind("unnamed", "switching converter", "", "its ripple beats with the sampling where the load changes its frequency: sin of a phase that the load drives")
+def converter(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    step, gain = 0.11 / c.step, float(rng.uniform(0.02, 0.08)) / c.step
+    return in_sensor(c, axis, lambda run: np.sin(2 * np.pi * np.cumsum((step + gain * run.columns["heater_current_a"](run.at)) * np.gradient(run.at))))
+
+
+@kind("unnamed", "swell", "", "a narrow band of waves from the sea: a resonance driven by noise; Longuet-Higgins 1957")
+def swell(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    def waves(run: Run) -> np.ndarray:
+        centre = rng.uniform(0.03, 0.08) / c.step
+        f = centre * (1 + 0.15 * rng.normal(size=40))
+        return np.sin(2 * np.pi * np.outer(run.at, f) + rng.uniform(0, 2 * np.pi, 40)).sum(1) / 6
+
+    return in_sensor(c, axis, waves)

@@ -35,12 +35,12 @@ impl Sets<'_, '_, '_> {
         self.projection.left(&self.products.less(white, &terms))
     }
 
-    /// What each of a set's members contributes to the whitened readings.
+    /// What each of a set's members contributes to the readings, nT.
     pub fn contributions(&self, members: &[Member]) -> Option<Vec<Stacked>> {
         let of = |(member, sizes): (&Member, Vec<f64>)| {
             let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
-            let terms: Vec<(usize, f64)> = columns.iter().copied().zip(sizes).collect();
-            self.products.sum(&terms)
+            let terms = columns.iter().map(|column| self.atoms.column(*column)).zip(sizes);
+            Stacked::sum(&terms.collect::<Vec<_>>())
         };
         Some(members.iter().zip(self.coefficients(members)?).map(of).collect())
     }
