@@ -22,6 +22,8 @@ const NEEDED: f64 = 0.01;
 /// many of them at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
+/// Share of single readings at edges of others from which they are a matter of these.
+const AT_EDGES: f64 = 0.5;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
 
@@ -281,20 +283,20 @@ fn core(
     let mut refused = Vec::new();
     // A single reading at which others jump is a matter of their timing.
     if let Some(contributions) = sets.contributions(members) {
-        let single = |number: &usize| {
-            let columns = atoms.all[members[*number].atom].shapes[members[*number].shape].columns.iter();
-            is_local(&atoms.all[members[*number].atom])
-                && columns.map(|column| atoms.column(*column)).all(|column| column.readings() == 1)
-        };
         core.retain(|number| {
+            let atom = &atoms.all[members[*number].atom];
+            let mut columns = atom.shapes[members[*number].shape].columns.iter();
+            if !is_local(atom) || columns.any(|column| atoms.column(*column).readings() != 1) {
+                return true;
+            }
             let others = contributions.iter().enumerate().filter(|(other, _)| other != number);
             let others = Stacked::sum(&others.map(|(_, column)| (column, 1.0)).collect::<Vec<_>>());
-            let is_edge = single(number) && contributions[*number].share_at_edges(&others) > 0.5;
-            if is_edge {
+            let stands = contributions[*number].share_at_edges(&others) < AT_EDGES;
+            if !stands {
                 let why = "other effects change by more than it in the same readings: it may be their timing";
-                refused.push((atoms.all[members[*number].atom].name.clone(), why.to_string()));
+                refused.push((atom.name.clone(), why.to_string()));
             }
-            !is_edge
+            stands
         });
     }
     let gain =
