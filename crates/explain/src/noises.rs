@@ -46,7 +46,7 @@ impl Form {
         let length = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
         match self {
             Form::Law(noise) => Whitening::of(noise, Some(time_s), time_s.len(), OLDEST * length),
-            Form::Plateau(process) => Whitening::of_processes(vec![process.clone()], 1.0, time_s),
+            Form::Plateau(process) => Whitening::of_processes(vec![*process], 1.0, time_s),
             Form::Fitted(white, processes) => Whitening::of_processes(processes.clone(), *white, time_s),
         }
         .map_err(|_| Error::Series("whose times are not in order, or that no noise is for"))
