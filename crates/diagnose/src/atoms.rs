@@ -65,6 +65,11 @@ impl Atom {
         !matches!(self.thing, Thing::Smooth(..))
     }
 
+    /// Whether it is structure that follows the product of two, and each of them.
+    pub fn is_product(&self) -> bool {
+        matches!(&self.thing, Thing::Smooth(covariate, _) if covariate.contains(covariates::TIMES))
+    }
+
     /// The sensor that it acts on alone; None for what acts on several.
     pub fn sensor(&self) -> Option<Axis> {
         match &self.thing {

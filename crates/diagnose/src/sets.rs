@@ -24,6 +24,8 @@ const IDLE: f64 = 2.0;
 const ABOUT_ONE: [f64; 2] = [0.3, 3.0];
 /// A column of which the base model leaves less than this share is not looked for.
 const VISIBLE: f64 = 1e-6;
+/// Least share of the product itself in the energy of structure that follows it and each of the two.
+const PRODUCT: f64 = 0.1;
 /// What neighbouring shapes do may have this share of the contribution: half the way there.
 const NEIGHBOUR: f64 = 0.5;
 
@@ -380,6 +382,13 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             let columns = &atom.shapes[member.shape].columns;
             if atom.finite && sizes[0] <= 0.0 {
                 return None;
+            }
+            // The product of two is none where only one of the two acts.
+            if atom.is_product() {
+                let of = |count: usize| energy(&self.screen, &columns[..count], &sizes[..count]);
+                if of(1) < PRODUCT * of(columns.len()) {
+                    return None;
+                }
             }
             own.push((atom, columns.iter().copied().zip(sizes.iter().copied()).collect()));
             if self.departure(member, [sizes, departs]) > FORM_ENERGY {
