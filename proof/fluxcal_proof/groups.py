@@ -28,6 +28,7 @@ DEVELOP = {
     ("unnamed", "product of panel current and temperature"), ("unnamed", "supply that sags"), ("unnamed", "crystal axes"),
     ("unnamed", "chaotic convection"), ("unnamed", "tank that fills and empties"),
     ("undecidable", "two equal temperatures"), ("undecidable", "two currents in proportion"),
+    ("undecidable", "two loggers of one humidity"),
 }
 
 

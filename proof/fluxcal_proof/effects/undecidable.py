@@ -36,3 +36,13 @@ def twins(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     effect = in_sensor(c, axis, lambda run: run.columns["humidity_percent"](run.at) - 45)
     effect.right, effect.undecidable = [("dependence", "humidity_percent"), ("dependence", "second_humidity_percent")], True
     return effect
+
+
+@kind("undecidable", "a gauge and its voltage", "follows_column", "one column in two units")
+def gauge(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    for run in c.runs:
+        pressed = run.columns["room_pressure_pa"]
+        run.columns["gauge_v"] = lambda t, pressed=pressed: 2.5 + 1e-4 * pressed(t)
+    effect = in_sensor(c, axis, lambda run: run.columns["gauge_v"](run.at) - 2.5)
+    effect.right, effect.undecidable = [("dependence", "room_pressure_pa"), ("dependence", "gauge_v")], True
+    return effect
