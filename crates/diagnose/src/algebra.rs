@@ -61,20 +61,3 @@ fn root_of_inverse(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let along: Vec<usize> = (0..count).filter(|k| values[*k] > ROUNDING).collect();
     Ok(Mat::from_fn(count, along.len(), |j, k| scale[j] * eigen.U()[(j, along[k])] / values[along[k]].sqrt()))
 }
-
-/// A covariance without what rounding left of negative variances: eigenvalues of the correlation from zero on.
-pub fn possible(covariance: &Mat<f64>) -> Result<Mat<f64>, Error> {
-    let count = covariance.nrows();
-    let std: Vec<f64> = (0..count).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
-    let share = |a: usize, b: usize| {
-        let scale = std[a] * std[b];
-        if scale > 0.0 { 0.5 * (covariance[(a, b)] + covariance[(b, a)]) / scale } else { 0.0 }
-    };
-    let correlation = Mat::from_fn(count, count, share);
-    let failed = |reason: String| estimate::Error::Decomposition { rows: count, columns: count, reason };
-    let eigen =
-        correlation.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-    let values = eigen.S().column_vector();
-    let root = Mat::from_fn(count, count, |i, k| std[i] * eigen.U()[(i, k)] * values[k].max(0.0).sqrt());
-    Ok(&root * root.transpose())
-}

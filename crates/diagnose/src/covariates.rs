@@ -5,7 +5,6 @@ use nalgebra::Vector3;
 use physics::{Acts, EffectInstance, Family, Kind, Place};
 
 use crate::Error;
-use crate::channel::Run;
 use crate::model::{Model, State};
 
 /// The field along a sensor.
@@ -26,11 +25,6 @@ pub const TIMES: &str = " times ";
 /// The sum of the sizes of all coil currents: what the supply delivers.
 pub const LOAD: &str = "the sum of the coil currents";
 
-/// That sum, row by row.
-pub fn load(run: &Run<'_>) -> Vec<f64> {
-    run.setting.context.current_a.iter().map(|current| current.abs().sum()).collect()
-}
-
 /// The field across a sensor, along another.
 pub fn across(other: Axis) -> String {
     format!("the transverse field ({other})")
@@ -48,12 +42,11 @@ pub fn is_across(name: &str) -> bool {
 
 /// What kind of physics it is to follow something.
 pub fn family(covariate: &str) -> Family {
+    if let Some((one, other)) = covariate.split_once(TIMES) {
+        let own = family(one);
+        return if own == family(other) { own } else { Family::FollowsColumn };
+    }
     match covariate {
-        name if name.contains(TIMES) => {
-            let both = name.split(TIMES).map(family);
-            both.reduce(|one, other| if one == other { one } else { Family::FollowsColumn })
-                .unwrap_or(Family::FollowsColumn)
-        }
         LOAD => Family::OwnField,
         name if name.strip_prefix(PAST).is_some_and(is_field) => Family::LateResponse,
         name if is_field(name) => Family::OwnField,
@@ -165,10 +158,10 @@ pub fn values(
         let [one, other] = [one, other].map(|name| values(model, fields, run, axis, name));
         return Some(one?.iter().zip(other?).map(|(a, b)| a * b).collect());
     }
-    if name == LOAD {
-        return Some(load(&model.observed.runs[run]));
-    }
     let context = &model.observed.runs[run].setting.context;
+    if name == LOAD {
+        return Some(context.coils_a().collect());
+    }
     let values = context.optional(name).map(|values| values.to_vec());
     // Time is the campaign's.
     if name == "time_s" {

@@ -40,7 +40,7 @@ pub const PARTLY: f64 = 0.3;
 /// Share of what the best set explains above which a set of names alone may do as well at other shapes.
 pub const AS_MUCH: f64 = 0.8;
 /// Share of what the names explain together below which one is taken for a departure from the form of the others, 6 % of
-/// their amplitude. Larger: small effects beside large ones are left unnamed.
+/// their amplitude. Larger: small effects beside large ones are left unnamed. Set on develop cases of seeds 31 and 77.
 pub const NEGLIGIBLE: f64 = 0.004;
 /// What two names of one sensor do together, over the sum of what each does, below which they cancel.
 pub const CANCEL: f64 = 0.25;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
-use crate::covariates::{ALONG, LOAD, PAST, RATE, TIMES, WITH_TIME, across, fields, load};
+use crate::covariates::{ALONG, LOAD, PAST, RATE, TIMES, WITH_TIME, across, fields, values};
 use crate::model::{Model, State};
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, polynomial, range};
@@ -104,8 +104,7 @@ fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec
         all.extend(powers(model, axis, name.clone(), column));
         all.extend(thresholds(model, axis, name.clone(), column));
     }
-    let load = |run: usize| Some(load(&model.observed.runs[run]));
-    all.extend(powers(model, axis, LOAD.into(), load));
+    all.extend(powers(model, axis, LOAD.into(), |run| values(model, fields, run, Some(axis), LOAD)));
     let pairs = products(&all);
     all.extend(pairs);
     all

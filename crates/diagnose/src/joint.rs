@@ -21,7 +21,7 @@ use physics::{EffectInstance, Kind, Parameter, Role, frames};
 mod stated;
 
 use crate::Error;
-use crate::algebra::{inverse, possible};
+use crate::algebra::inverse;
 use crate::fit::Fit;
 use crate::lattice;
 use crate::level::Rest;
@@ -104,9 +104,7 @@ pub fn adopted(
     let block = Block {
         name: "diagnose: readings".into(),
         degrees_of_freedom: rest.known + rest.freedom,
-        covariance: possible(&Mat::from_fn(fitted.len(), fitted.len(), |a, b| {
-            covariance(fitted[a], fitted[b])
-        }))?,
+        covariance: Mat::from_fn(fitted.len(), fitted.len(), |a, b| covariance(fitted[a], fitted[b])),
         parameters: parameters.clone(),
         by,
     };

@@ -246,6 +246,11 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// The sum of the sizes of the coil currents in each row, A.
+    pub fn coils_a(&self) -> impl Iterator<Item = f64> {
+        self.current_a.iter().map(|current| current.abs().sum())
+    }
+
     /// R of a row.
     pub fn rotation(&self, row: usize) -> Matrix3<f64> {
         self.attitude.get(row).copied().unwrap_or(self.orientation.rotation)

@@ -58,7 +58,7 @@ impl Effect for Empirical {
                 "field_x" => field(0),
                 "field_y" => field(1),
                 "field_z" => field(2),
-                "coils_a" => context.current_a.iter().map(|current| T::from(current.abs().sum())).collect(),
+                "coils_a" => context.coils_a().map(T::from).collect(),
                 name => {
                     let zero = if name == "time_s" { context.clock_s } else { 0.0 };
                     context
