@@ -156,6 +156,7 @@ impl Compared {
             verdict,
             recordings: self.recordings.clone(),
             places: self.places(&effects),
+            families: effects::families(&self, &effects),
             effects,
             ambiguity,
             remaining: Some(self.remaining(verdict)),

@@ -56,9 +56,10 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let infos = Kind::DifferentialNonlinearity.parameters();
     let longest = infos[2].high.min(range);
     // Within a coarse code all readings are one.
-    let coarse = fit.state.effects.iter().filter(|e| e.kind == Kind::Quantisation && e.axis == Some(axis));
-    let coarse = coarse.map(|effect| 2.0 * effect.parameters[0]).fold(0.02, f64::max);
-    let shortest = (BLURRED * std).max(coarse).max(2.0 * FINE * range / CELLS as f64);
+    let is_coarse = |e: &&EffectInstance| e.kind == Kind::Quantisation && e.axis == Some(axis);
+    let coarse = fit.state.effects.iter().find(is_coarse).map(|effect| effect.parameters[0]);
+    let least = coarse.map_or(0.02, |width| 2.0 * width);
+    let shortest = (BLURRED * std).max(least).max(2.0 * FINE * range / CELLS as f64);
     if !(range > 0.0 && longest > 2.0 * shortest && x.len() > 8) {
         return Ok(Vec::new());
     }
@@ -82,7 +83,7 @@ fn of_sensor(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest, axis: Axis) -> Res
     let (sine, gain, rank) = crate::events::fitted(fitter, fit, &sine)?;
     let amplitude = sine.parameters[0].hypot(sine.parameters[1]);
     found.push(proposal(sine, at_least_one(rest.p(gain, rank), looks), gain, looks));
-    if amplitude < ROUNDED * period {
+    if amplitude < ROUNDED * period || coarse.is_some() {
         return Ok(found);
     }
     let slip = period / range * period;

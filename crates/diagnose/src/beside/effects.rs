@@ -1,11 +1,12 @@
 //! The causes that were found, as effects of the document.
 
-use common::{ExplainedEffect, ListedEffect, Quantity};
+use common::{ExplainedEffect, ExplainedFamily, FamilyMember, ListedEffect, Quantity};
 use explain::{Amplitude, Cause, Form};
 use indexmap::IndexMap;
-use physics::Kind;
+use physics::{Family, Kind};
 
 use super::{Compared, rms};
+use crate::families::LEAST;
 
 /// All that explains something, the largest first.
 pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
@@ -22,6 +23,60 @@ pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
     effects
 }
 
+/// The families of some effects, the one that explains most first: how probable each is, and its members in the
+/// sets that were weighed.
+pub fn families(compared: &Compared, effects: &[ExplainedEffect]) -> Vec<ExplainedFamily> {
+    let explained = &compared.explained;
+    let named = |cause: Cause| explained.causes.iter().find(|one| one.cause == cause);
+    let kind = |cause: Cause| {
+        let one = named(cause);
+        kind(compared, cause, one.map_or(Form::default(), |one| one.form))
+    };
+    let weight = |has: &dyn Fn(Cause) -> bool| -> f64 {
+        let sets = explained.rivals.iter().filter(|set| set.causes.iter().any(|cause| has(*cause)));
+        sets.map(|set| set.probability).sum::<f64>().min(1.0)
+    };
+    let of = |family: Family| {
+        let own = effects.iter().filter(|effect| {
+            Kind::named(&effect.effect).is_some_and(|kind| kind.about().family == family)
+        });
+        let own: Vec<&ExplainedEffect> = own.collect();
+        let first = own.first()?;
+        let mut causes: Vec<Cause> = explained.rivals.iter().flat_map(|set| set.causes.clone()).collect();
+        causes.sort();
+        causes.dedup();
+        causes.retain(|cause| kind(*cause).about().family == family);
+        let member = |cause: &Cause| FamilyMember {
+            effect: format!("{} {}", kind(*cause).name(), compared.name(*cause)),
+            probability: weight(&|other| other == *cause),
+        };
+        let mut members: Vec<FamilyMember> = causes.iter().map(member).collect();
+        // Clocks and steps are found apart, without rivals.
+        if members.is_empty() {
+            let probability = first.probability.unwrap_or(1.0);
+            members.push(FamilyMember { effect: first.effect.clone(), probability });
+        }
+        let probability = match causes.is_empty() {
+            true => members[0].probability,
+            false => weight(&|cause| causes.contains(&cause)),
+        };
+        members.retain(|member| member.probability >= LEAST);
+        members.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        Some(ExplainedFamily {
+            family: family.word().into(),
+            title: family.title().into(),
+            probability,
+            share: own.iter().filter_map(|effect| effect.share).sum::<f64>().min(1.0),
+            members,
+            told_apart_by: family.told_apart_by().into(),
+            ..ExplainedFamily::default()
+        })
+    };
+    let mut all: Vec<ExplainedFamily> = Family::ALL.into_iter().filter_map(of).collect();
+    all.sort_by(|a, b| b.share.total_cmp(&a.share));
+    all
+}
+
 /// Where an effect acts.
 pub fn place(effect: &ExplainedEffect) -> &'static str {
     Kind::named(&effect.effect).map_or("sensor", |kind| kind.place().word())
@@ -35,14 +90,7 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         Cause::Covariate(number) => Some(compared.covariates[number].clone()),
         _ => None,
     };
-    let kind = match one.cause {
-        Cause::Covariate(_) if is_current(column.as_deref(), &one.form) => Kind::StrayCurrent,
-        Cause::Covariate(_) => Kind::Dependence,
-        Cause::Time if one.form.late_s > 0.0 => Kind::WarmUp,
-        Cause::Time => Kind::Ageing,
-        Cause::Clock => Kind::ClockOffset,
-    };
-    let about = kind.about();
+    let about = kind(compared, one.cause, one.form).about();
     let follows = match &column {
         Some(column) => format!("follows {column}"),
         None => about.title.to_string(),
@@ -68,9 +116,17 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
     }
 }
 
-/// Whether a column is a current that acts at once: the catalogue has its field.
-fn is_current(column: Option<&str>, form: &Form) -> bool {
-    column.is_some_and(|column| column.ends_with("_a")) && *form == Form::default()
+/// The effect that a cause is in a form: of a current that acts at once the catalogue has the field.
+fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
+    match cause {
+        Cause::Covariate(number) if compared.covariates[number].ends_with("_a") && form == Form::default() => {
+            Kind::StrayCurrent
+        }
+        Cause::Covariate(_) => Kind::Dependence,
+        Cause::Time if form.late_s > 0.0 => Kind::WarmUp,
+        Cause::Time => Kind::Ageing,
+        Cause::Clock => Kind::ClockOffset,
+    }
 }
 
 fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> IndexMap<String, Quantity> {

@@ -22,7 +22,7 @@ impl Effect for Quantisation {
         place: Place::Electronics,
         stage: Stage::Converter,
         acts: Acts::OneSensor,
-        parameters: &[ParameterInfo::shape("width_nt", 0.02, 60.0)],
+        parameters: &[ParameterInfo::shape("width_nt", 0.02, 4000.0)],
         needs: &[],
     };
     const INVERTIBLE: bool = false;
