@@ -10,7 +10,7 @@ from .effect import KINDS, Kind
 
 DEVELOP = {
     ("loop_bandwidth", "one pole"), ("delay", "filter of a converter"), ("clock_offset", "one recording"),
-    ("eddy_currents", "plate"),
+    ("loop_bandwidth", "two unlike poles"), ("eddy_currents", "plate"), ("eddy_currents", "many bodies"),
     ("offset_temperature", "bent"), ("offset_temperature_lag", "one body"),
     ("offset_electronics_temperature", "amplifier"), ("sensitivity_electronics_temperature", "reference"),
     ("axis_temperature", "wedge"), ("coil_temperature", "former that expands"), ("stray_current", "heater"), ("stray_current", "panel logged late"),
@@ -18,7 +18,7 @@ DEVELOP = {
     ("quadratic_nonlinearity", "square"), ("cubic_nonlinearity", "cube"), ("cross_field", "squares and products"),
     ("cross_field_sensitivity", "product"), ("saturation", "soft end"), ("hysteresis", "play"),
     ("hysteresis", "Preisach"), ("hysteresis", "Bouc and Wen"), ("perming", "one threshold"),
-    ("nulling_leakage", "slow and fast part"), ("coil_gradient", "five components"),
+    ("nulling_leakage", "slow and fast part"), ("nulling_leakage", "loop of two poles"), ("coil_gradient", "five components"),
     ("mains", "load differs by recording"), ("reaction_wheel", "magnet on a rotor"),
     ("ageing", "straight"), ("sensitivity_ageing", "straight"), ("warm_up", "two bodies"), ("reading_step", "knock"),
     ("spike", "bit errors"), ("vehicle_pass", "dipole"), ("differential_nonlinearity", "one wrong bit"),

@@ -69,6 +69,15 @@ def plate(tau: float, modes: int = 12) -> Response:
     return Response(1 - weights.sum(), weights, 4 * tau / (np.pi * k) ** 2)
 
 
+def sphere(tau: float, modes: int = 20) -> Response:
+    """What a conducting sphere lets through of the field that its moment opposes: weights 6/(pi k)^2, times tau/k^2.
+
+    Wait 1951, Geophysics 16, 666; the modes left out are put in `direct`."""
+    k = np.arange(modes) + 1
+    weights = 6 / (np.pi * k) ** 2
+    return Response(1 - weights.sum(), weights, tau / k**2)
+
+
 def spread(tau: float, decades: float, terms: int = 9) -> Response:
     """Relaxation times that are spread log-normally about tau, by Gauss and Hermite's rule."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(terms)

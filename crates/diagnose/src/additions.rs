@@ -80,7 +80,7 @@ pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State
 pub fn additions(thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
     match thing {
         Thing::Effect(template) => {
-            let mut effect = shape.fitted.as_ref().unwrap_or(template).clone();
+            let mut effect = shape.form.as_ref().unwrap_or(template).clone();
             let searched = searched(effect.kind);
             let shape = shape.value;
             let mut sizes = coefficients.iter();

@@ -5,7 +5,7 @@ use common::Axis;
 use physics::{Acts, EffectInstance, ParameterInfo, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::candidates::{Candidate, Pool};
+use crate::candidates::{Candidate, Pool, Trial};
 use crate::covariates;
 use crate::decide::{BEYOND, NAMELESS, SIZE_STEP, STEPS_BEYOND};
 use crate::proposal::{Addition, Proposal};
@@ -47,15 +47,20 @@ pub struct Shape {
     pub value: Option<f64>,
     /// The columns' numbers.
     pub columns: Vec<usize>,
-    /// The effect with these and further shapes, where a fit has found them.
-    pub fitted: Option<EffectInstance>,
+    /// The effect with further shapes: in a fuller form, or as a fit has found it.
+    pub form: Option<EffectInstance>,
     /// Derivatives by the logarithm of its shapes there, for the coefficients of that fit.
     pub by_shape: Vec<usize>,
 }
 
 impl Shape {
     fn of(value: Option<f64>, columns: Vec<usize>) -> Self {
-        Self { value, columns, fitted: None, by_shape: Vec::new() }
+        Self { value, columns, form: None, by_shape: Vec::new() }
+    }
+
+    /// Whether a fit has found it.
+    pub fn is_fitted(&self) -> bool {
+        self.value.is_none() && self.form.is_some()
     }
 }
 
@@ -208,11 +213,14 @@ impl<'p> Atoms<'p> {
     /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives
     /// by the shapes.
     pub fn add_fitted(&mut self, effect: &EffectInstance, columns: Vec<Stacked>, by_shape: Vec<Stacked>) {
-        let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if own.is_same(effect));
+        let of = |effect: &EffectInstance| {
+            (effect.kind, effect.axis, effect.column.clone(), effect.recording.clone())
+        };
+        let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if of(own) == of(effect));
         let Some(number) = self.all.iter().position(is_it) else { return };
         let columns = self.add_columns(columns);
         let by_shape = self.add_columns(by_shape);
-        let shape = Shape { value: None, columns, fitted: Some(effect.clone()), by_shape };
+        let shape = Shape { value: None, columns, form: Some(effect.clone()), by_shape };
         self.all[number].shapes.push(shape);
     }
 
@@ -264,8 +272,9 @@ pub fn ranges(effect: &EffectInstance, coarse: f64) -> Vec<[f64; 2]> {
 }
 
 fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
-    let shapes: Vec<Shape> =
-        candidate.trials.iter().map(|trial| Shape::of(trial.shape, trial.columns.clone())).collect();
+    let of =
+        |trial: &Trial| Shape { form: trial.fuller.clone(), ..Shape::of(trial.shape, trial.columns.clone()) };
+    let shapes: Vec<Shape> = candidate.trials.iter().map(of).collect();
     let first: &[usize] = shapes.first().map_or(&[], |shape| &shape.columns);
     let rms = |column: &usize| rms(&pool.columns[*column]).max(f64::MIN_POSITIVE);
     let (thing, sizes) = match &candidate.what {

@@ -25,7 +25,7 @@ const SHAPES: usize = 16;
 const INFLECTIONS: usize = 9;
 /// Levels of clipping that are tried.
 const CLIPS: i32 = 14;
-/// The parameter by which what depends on the past begins.
+/// The parameter by which what depends on the past begins: demagnetised, or at rest in the first field.
 const START: &str = "start_share";
 /// Most steps into which a span is divided.
 const SPAN_STEPS: f64 = 60.0;
@@ -40,6 +40,8 @@ const SPANS: f64 = 3.0;
 pub struct Trial {
     /// Time constant, level or period.
     pub shape: Option<f64>,
+    /// The effect in a fuller form, where that is what is tried.
+    pub fuller: Option<EffectInstance>,
     /// Its columns in the pool.
     pub columns: Vec<usize>,
 }
@@ -83,7 +85,8 @@ impl Pool {
             }
         }
         for (what, trials) in generic::all(model, state)? {
-            pool.push(what, false, trials);
+            let trials = trials.into_iter().map(|(shape, columns)| (shape, None, columns));
+            pool.push(what, false, trials.collect());
         }
         Ok(pool)
     }
@@ -96,16 +99,16 @@ impl Pool {
         }
     }
 
-    fn push(&mut self, what: What, finite: bool, trials: Vec<(Option<f64>, Vec<Stacked>)>) {
+    fn push(&mut self, what: What, finite: bool, trials: Vec<Tried>) {
         let trials: Vec<Trial> = trials
             .into_iter()
-            .filter(|(_, columns)| {
+            .filter(|(.., columns)| {
                 columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero)
             })
-            .map(|(shape, columns)| {
+            .map(|(shape, fuller, columns)| {
                 let at = self.columns.len();
                 self.columns.extend(columns);
-                Trial { shape, columns: (at..self.columns.len()).collect() }
+                Trial { shape, fuller, columns: (at..self.columns.len()).collect() }
             })
             .collect();
         if !trials.is_empty() {
@@ -119,8 +122,10 @@ fn is_of(effect: &EffectInstance, kinds: &[Kind]) -> bool {
     [Some(effect.kind), effect.simpler()].into_iter().flatten().any(|kind| kinds.contains(&kind))
 }
 
+/// A shape, the fuller form that has it, and its columns.
+type Tried = (Option<f64>, Option<EffectInstance>, Vec<Stacked>);
 /// Whether the columns are what the effect does, and the columns of each shape.
-type Made = (bool, Vec<(Option<f64>, Vec<Stacked>)>);
+type Made = (bool, Vec<Tried>);
 
 /// What times and signals span.
 struct Scale {
@@ -232,14 +237,14 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
         }
         let one = |axis: Option<Axis>, column: Option<String>| {
             // Shapes beside the first, which goes through its grid, begin in the middle of what is plausible.
-            let middle = |info: &ParameterInfo| match info.role {
-                Role::Shape => (info.low * info.high).sqrt(),
+            let value = |info: &ParameterInfo| match info.role {
+                Role::Shape => info.absent.unwrap_or_else(|| middle(info)),
                 _ if info.name == "reference" => {
                     column.as_ref().map_or(0.0, |name| model.observed.mean(name))
                 }
                 _ => 0.0,
             };
-            let parameters = kind.parameters().iter().map(middle).collect();
+            let parameters = kind.parameters().iter().map(value).collect();
             EffectInstance { column, ..EffectInstance::new(kind, axis, parameters) }
         };
         match kind.about().acts {
@@ -266,15 +271,6 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
             }
         }
     }
-    // What depends on the past may begin demagnetised or at rest in the first field.
-    let at_rest = |effect: &EffectInstance| {
-        let start = effect.kind.parameters().iter().position(|info| info.name == START)?;
-        let mut effect = effect.clone();
-        effect.parameters[start] = 1.0;
-        Some(effect)
-    };
-    let at_rest: Vec<EffectInstance> = all.iter().filter_map(at_rest).collect();
-    all.extend(at_rest);
     let there = |effect: &EffectInstance| {
         state.effects.iter().any(|other| {
             (other.kind, other.axis, &other.column, &other.recording)
@@ -285,7 +281,24 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
     all
 }
 
-/// The columns of an effect at each of its shapes; None where it acts nowhere.
+/// The middle of what is plausible.
+fn middle(info: &ParameterInfo) -> f64 {
+    (info.low * info.high).sqrt()
+}
+
+/// An effect with what it may have besides: what depends on the past at rest in the first field, a second relaxation.
+pub fn fuller(effect: &EffectInstance) -> Option<EffectInstance> {
+    let infos = effect.kind.parameters();
+    let more = (0..infos.len()).find(|k| {
+        let second = infos[*k].role == Role::Shape && Some(*k) != searched(effect.kind);
+        infos[*k].absent == Some(effect.parameters[*k]) && (second || infos[*k].name == START)
+    })?;
+    let mut effect = effect.clone();
+    effect.parameters[more] = if infos[more].name == START { 1.0 } else { middle(&infos[more]) };
+    Some(effect)
+}
+
+/// The columns of an effect at each of its shapes, and of its fuller form; None where it acts nowhere.
 fn make(
     model: &Model<'_>,
     state: &State,
@@ -314,15 +327,17 @@ fn make(
         return Ok(None);
     }
     let mut trials = Vec::new();
-    for value in grid {
-        let mut effect = template.clone();
-        if let (Some(at), Some(value)) = (shape, value) {
-            effect.parameters[at] = value;
+    for fuller in std::iter::once(None).chain(fuller(template).map(Some)) {
+        for value in &grid {
+            let mut effect = fuller.as_ref().unwrap_or(template).clone();
+            if let (Some(at), Some(value)) = (shape, value) {
+                effect.parameters[at] = *value;
+            }
+            let with = model.with_acting(state, effect, acts.clone());
+            let (columns, _) = model.columns_of_last(state, &with)?;
+            let columns = columns.iter().map(|column| Stacked::of(&model.observed, column)).collect();
+            trials.push((*value, fuller.clone(), columns));
         }
-        let with = model.with_acting(state, effect, acts.clone());
-        let (columns, _) = model.columns_of_last(state, &with)?;
-        let columns = columns.iter().map(|column| Stacked::of(&model.observed, column)).collect();
-        trials.push((value, columns));
     }
     Ok(Some((finite, trials)))
 }

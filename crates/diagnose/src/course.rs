@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use crate::additions::{at_shapes, columns_of, with_additions, without};
 use crate::algebra::square;
 use crate::atoms::{self, Atoms, Sizes};
+use crate::candidates::fuller;
 use crate::decide::SURE;
 use crate::events;
 use crate::fit::{Fit, Fitter, settled};
@@ -108,17 +109,20 @@ pub fn search(
         let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
         sharper |= follow(&mut events, &additions, &fit.state.effects[from..]);
         if round <= REFITS {
-            // Whose shapes were fitted.
+            // Whose shapes were fitted, and what of them was in a fuller form.
             let mut known = shaped(&additions);
-            for rival in &answer.rivals {
+            let new = |rival: &&Vec<Addition>| {
                 let own = shaped(rival);
-                if own.is_subset(&known) {
-                    continue;
-                }
+                let is_new = !own.is_subset(&known);
                 known.extend(own);
+                is_new
+            };
+            let mut others: Vec<Vec<Addition>> = answer.rivals.iter().filter(new).cloned().collect();
+            others.extend(in_fuller_form(&additions, &fit.state.effects[from..]));
+            for other in others {
                 // A rival that has no minimum is none; one that is far behind is fitted no further.
                 let behind = Some(cost + BEHIND * (cost / fit.residual.len() as f64).max(1.0));
-                if let Ok(fit) = beside(model, &ground, rival, behind) {
+                if let Ok(fit) = beside(model, &ground, &other, behind) {
                     sharper |= moved(&fit.state.effects[from..], &mut shapes);
                 }
             }
@@ -297,6 +301,23 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
         }
     }
     any
+}
+
+/// Additions with the effects as they were fitted, one of them in a fuller form.
+fn in_fuller_form(additions: &[Addition], fitted: &[EffectInstance]) -> Vec<Vec<Addition>> {
+    let mut effects = fitted.iter();
+    let as_fitted = |addition: &Addition| match addition {
+        Addition::Effect(effect) => Addition::Effect(effects.next().unwrap_or(effect).clone()),
+        single => single.clone(),
+    };
+    let as_fitted: Vec<Addition> = additions.iter().map(as_fitted).collect();
+    let with = |(number, addition): (usize, &Addition)| {
+        let Addition::Effect(effect) = addition else { return None };
+        let mut all = as_fitted.clone();
+        all[number] = Addition::Effect(fuller(effect)?);
+        Some(all)
+    };
+    as_fitted.iter().enumerate().filter_map(with).collect()
 }
 
 /// The shapes of an effect that can be fitted.

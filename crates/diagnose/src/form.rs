@@ -2,10 +2,10 @@
 //! of time, and what it does at neighbouring shapes.
 
 use common::Axis;
-use physics::EffectInstance;
+use physics::{EffectInstance, Family};
 
 use crate::Error;
-use crate::atoms::{Atom, Atoms, Thing, of_one_sensor};
+use crate::atoms::{Atom, Atoms, Shape, Thing, of_one_sensor};
 use crate::channel::Channel;
 use crate::covariates::{self, ALONG};
 use crate::decide::FORM;
@@ -21,8 +21,18 @@ const ORDERS: usize = 8;
 pub struct Form {
     /// Departures from the equation, group by group, each as large as the contribution over its order.
     pub departures: Vec<Vec<Stacked>>,
-    /// What neighbouring shapes do more or less.
+    /// What neighbouring shapes do more or less, and what is left of the time before each recording.
     pub neighbours: Vec<Stacked>,
+}
+
+/// The time constant, at one of its shapes, of an effect that remembers fields: these do not wait for a recording to
+/// begin, as temperatures are let settle.
+fn time_constant_s(effect: &EffectInstance, shape: &Shape) -> Option<f64> {
+    let about = effect.kind.about();
+    let place = about.parameters.iter().position(|info| ["lag_s", "time_constant_s"].contains(&info.name))?;
+    let remembers = matches!(about.family, Family::LateResponse | Family::OutsideField);
+    let tau = shape.value.or(shape.form.as_ref().map(|fitted| fitted.parameters[place]));
+    tau.filter(|tau| remembers && *tau > 0.0)
 }
 
 /// The highest order that could show: where departures of the largest share of a contribution, less with each
@@ -67,22 +77,41 @@ impl<'m, 'a> Followed<'m, 'a> {
             form.departures = self.departures(effect, &own, orders);
         }
         let fitted = &atom.shapes[shape];
-        if fitted.fitted.is_some() {
-            form.neighbours = fitted.by_shape.iter().map(|column| atoms.column(*column).clone()).collect();
+        if let Thing::Effect(effect) = &atom.thing {
+            form.neighbours = self.before(&own, time_constant_s(effect, fitted));
+        }
+        if fitted.is_fitted() {
+            form.neighbours.extend(fitted.by_shape.iter().map(|column| atoms.column(*column).clone()));
             return form;
         }
         let beside = [
             shape.checked_sub(1),
-            Some(shape + 1).filter(|next| *next < atom.shapes.len() && atom.shapes[*next].fitted.is_none()),
+            Some(shape + 1).filter(|next| *next < atom.shapes.len() && !atom.shapes[*next].is_fitted()),
         ];
         for other in beside.into_iter().flatten() {
-            if atom.shapes[other].columns.len() == coefficients.len() {
+            let alike = atom.shapes[other].form == fitted.form;
+            if alike && atom.shapes[other].columns.len() == coefficients.len() {
                 let other = of(other);
                 form.neighbours.push(Stacked::sum(&[(&other, 1.0), (&own, -1.0)]));
             }
         }
         form.neighbours.retain(|column| !column.is_zero());
         form
+    }
+
+    /// What an effect that remembers may have kept of the time before each recording: it dies with the effect's time
+    /// constant, and is as large as its contribution.
+    fn before(&self, own: &Stacked, time_constant_s: Option<f64>) -> Vec<Stacked> {
+        let Some(tau) = time_constant_s else { return Vec::new() };
+        let of = |(channel, at): (usize, &Channel)| {
+            let (part, time_s) = (own.part(channel)?, self.model.observed.runs[at.run].time_s?);
+            let rms = (part.iter().map(|value| value * value).sum::<f64>() / part.len() as f64).sqrt();
+            let left = |row: &usize| rms * ((time_s[0] - time_s[*row]) / tau).exp();
+            let mut parts = vec![None; self.model.observed.channels.len()];
+            parts[channel] = Some(at.rows.iter().map(left).collect());
+            Some(Stacked::new(parts))
+        };
+        self.channels().enumerate().filter_map(of).collect()
     }
 
     /// A contribution times waves of what its effect follows and of time, group by group.

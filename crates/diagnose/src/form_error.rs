@@ -129,8 +129,12 @@ fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<
         return Err(Error::Unanswerable("what the effects' forms leave is not finite".into()));
     };
     let mean = factor.solve(&DVector::from_fn(count, |j, _| dot(&beside[j], &fit.white)));
-    let squares = factor.inverse() + &mean * mean.transpose();
-    let added = &moved * squares * moved.transpose();
+    // Of roots, so that rounding leaves no negative variance.
+    let Some(spread) = factor.l().solve_lower_triangular(&moved.transpose()) else {
+        return Err(Error::Unanswerable("what the effects' forms leave is not finite".into()));
+    };
+    let biased = &moved * mean;
+    let added = spread.transpose() * &spread + &biased * biased.transpose();
     Ok(Mat::from_fn(unknowns, unknowns, |i, j| added[(i, j)]))
 }
 

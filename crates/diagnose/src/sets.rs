@@ -191,7 +191,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     /// Whether the coefficient of a finite effect's column is possible at a shape.
     fn possible(&self, atom: &Atom, shape: usize, coefficient: f64) -> bool {
         let [low, high] = ABOUT_ONE;
-        let grid = atom.shapes.iter().filter(|shape| shape.fitted.is_none()).count();
+        let grid = atom.shapes.iter().filter(|shape| !shape.is_fitted()).count();
         let least = if shape == 0 || shape + 1 == grid { 0.0 } else { low };
         !atom.finite || (coefficient > least && coefficient <= high)
     }

@@ -6,7 +6,7 @@ use common::{Axis, ExplainedFamily, Verdict};
 use estimate::stats::chi_squared_quantile;
 
 use crate::additions::additions;
-use crate::atoms::{Atom, Atoms, Thing};
+use crate::atoms::{Atom, Atoms, Shape, Thing};
 use crate::decide::{AS_MUCH, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
 use crate::families;
 use crate::level::{Rest, at_least_one};
@@ -377,7 +377,7 @@ fn rivals(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Vec<Vec
     let mut chosen = Vec::new();
     let is_fresh = |number: usize, known: &[usize]| {
         let atom = &atoms.all[number];
-        let fitted = atom.shapes.iter().any(|shape| shape.fitted.is_some());
+        let fitted = atom.shapes.iter().any(Shape::is_fitted);
         atom.is_named() && atom.shapes.len() > 1 && !fitted && !known.contains(&number)
     };
     let structures =

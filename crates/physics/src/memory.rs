@@ -2,9 +2,9 @@
 //!
 //! Between its samples a signal is the cubic through them whose slopes are the central differences (those of
 //! `numpy.gradient`), with two exceptions. A step more than four times as long as a neighbour is a gap: there
-//! the line is straight. Where the drive is held, before and after a jump, the slope of a field is zero, so
-//! that nothing answers to a jump before it comes. Beyond its ends a signal goes on straight for one step and
-//! is constant from there.
+//! the line is straight. Where the drive is held at both ends of a step it jumps in the middle, so that nothing
+//! answers to a jump before it comes, and what is a little late misses none. Beyond its ends a signal goes on
+//! straight for one step and is constant from there.
 //!
 //! All of this is linear in the signal: which steps are gaps and where the drive is held depends on what was
 //! set alone.
@@ -15,6 +15,8 @@ use crate::Real;
 const GAP: f64 = 4.0;
 /// A step whose slope is less than this share of a neighbour's is flat.
 const FLAT: f64 = 0.02;
+/// Two poles whose ratio is nearer to one than this are taken as so far apart.
+const APART: f64 = 1e-4;
 /// Steps that differ by less than this share are one.
 const SAME_STEP: f64 = 1e-9;
 
@@ -36,10 +38,11 @@ pub enum Before<T> {
     At(T),
 }
 
-/// One step of a signal: x(s) = a + b s + c s² + d s³ for s = 0..1 over `step_s` seconds.
+/// One step of a signal: x(s) = a + b s + c s² + d s³ for s = 0..1 over `step_s` seconds, and a jump in the middle.
 struct Cubic<T> {
     step_s: f64,
     powers: [T; 4],
+    jump: T,
 }
 
 impl<'a, T: Real> Signal<'a, T> {
@@ -49,7 +52,7 @@ impl<'a, T: Real> Signal<'a, T> {
         Self { time_s, x: bridged(time_s, x), held: &[] }
     }
 
-    /// The same with slopes of zero in the rows where the drive is held; see [`held`].
+    /// The same with slopes of zero in the rows where the drive is held, and jumps between them; see [`held`].
     pub fn holding(self, held: &'a [bool]) -> Self {
         Self { held, ..self }
     }
@@ -78,12 +81,16 @@ impl<'a, T: Real> Signal<'a, T> {
     /// The step that begins at a row.
     fn cubic(&self, row: usize) -> Cubic<T> {
         let step_s = self.step_s(row);
-        let (from, rise) = (self.x[row], self.x[row + 1] - self.x[row]);
+        let (from, rise, none) = (self.x[row], self.x[row + 1] - self.x[row], T::from(0.0));
+        if self.held.get(row..=row + 1) == Some(&[true, true]) {
+            return Cubic { step_s, powers: [from, none, none, none], jump: rise };
+        }
         if self.is_gap(row) {
-            return Cubic { step_s, powers: [from, rise, T::from(0.0), T::from(0.0)] };
+            return Cubic { step_s, powers: [from, rise, none, none], jump: none };
         }
         let (start, end) = (self.slope(row) * step_s, self.slope(row + 1) * step_s);
-        Cubic { step_s, powers: [from, start, rise * 3.0 - start * 2.0 - end, start + end - rise * 2.0] }
+        let powers = [from, start, rise * 3.0 - start * 2.0 - end, start + end - rise * 2.0];
+        Cubic { step_s, powers, jump: none }
     }
 
     fn is_gap(&self, row: usize) -> bool {
@@ -93,7 +100,7 @@ impl<'a, T: Real> Signal<'a, T> {
 
     /// First-order lag τ y' = x − y, exact for the signal.
     ///
-    /// Over a step h with u = h/τ: y₊ = y e^(−u) + Σ p_k w_k(u), w_k = u ∫₀¹ e^(−u(1−s)) s^k ds.
+    /// Over a step h with u = h/τ: y₊ = y e^(−u) + Σ p_k w_k(u) + jump (1 − e^(−u/2)), w_k = u ∫₀¹ e^(−u(1−s)) s^k ds.
     pub fn lagged(&self, tau_s: T, before: Before<T>) -> Vec<T> {
         let Some(first) = self.x.first() else { return Vec::new() };
         let mut y = match before {
@@ -108,7 +115,7 @@ impl<'a, T: Real> Signal<'a, T> {
         };
         let mut lagged = Vec::with_capacity(self.x.len());
         lagged.push(y);
-        let (mut known, mut decay, mut weights) = (f64::NAN, T::from(0.0), [T::from(0.0); 4]);
+        let (mut known, mut half, mut weights) = (f64::NAN, T::from(0.0), [T::from(0.0); 4]);
         for row in 0..self.x.len() - 1 {
             let cubic = self.cubic(row);
             if cubic.step_s > 0.0 {
@@ -116,10 +123,10 @@ impl<'a, T: Real> Signal<'a, T> {
                 if (cubic.step_s - known).abs() > SAME_STEP * known || known.is_nan() {
                     known = cubic.step_s;
                     let steps = tau_s.recip() * known;
-                    decay = (-steps).exp();
+                    half = (-steps / 2.0).exp();
                     weights = moments(steps);
                 }
-                y *= decay;
+                y = y * half * half + cubic.jump * (-half + 1.0);
                 for (power, weight) in cubic.powers.iter().zip(&weights) {
                     y += *power * *weight;
                 }
@@ -127,6 +134,19 @@ impl<'a, T: Real> Signal<'a, T> {
             lagged.push(y);
         }
         lagged
+    }
+
+    /// Two lags one after the other, τ and r τ: (1 + τ d/dt)(1 + r τ d/dt) y = x, from following the signal. It is the
+    /// sum of both relaxations, (L_τ − r L_rτ)/(1 − r); one lag where r = 0.
+    pub fn lagged_twice(&self, tau_s: T, ratio: T) -> Vec<T> {
+        let mut y = self.lagged(tau_s, Before::Moving);
+        if ratio.re() > 0.0 {
+            let ratio = if (ratio.re() - 1.0).abs() < APART { T::from(1.0 - APART) } else { ratio };
+            for (y, second) in y.iter_mut().zip(self.lagged(tau_s * ratio, Before::Moving)) {
+                *y = (*y - second * ratio) / (-ratio + 1.0);
+            }
+        }
+        y
     }
 
     /// The signal at times t − delay(row).
@@ -161,9 +181,10 @@ impl<'a, T: Real> Signal<'a, T> {
         while *row + 1 < last && self.time_s[*row + 1] <= t {
             *row += 1;
         }
-        let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(*row);
+        let Cubic { step_s, powers: [a, b, c, d], jump } = self.cubic(*row);
         let s = (when - self.time_s[*row]) / step_s;
-        a + s * (b + s * (c + s * d))
+        let smooth = a + s * (b + s * (c + s * d));
+        if s.re() < 0.5 { smooth } else { smooth + jump }
     }
 }
 
@@ -172,8 +193,8 @@ impl Signal<'_, f64> {
     pub fn integral(&self) -> Vec<f64> {
         let mut sum = 0.0;
         let steps = (1..self.x.len()).map(|row| {
-            let Cubic { step_s, powers: [a, b, c, d] } = self.cubic(row - 1);
-            sum += step_s * (a + b / 2.0 + c / 3.0 + d / 4.0);
+            let Cubic { step_s, powers: [a, b, c, d], jump } = self.cubic(row - 1);
+            sum += step_s * (a + b / 2.0 + c / 3.0 + d / 4.0 + jump / 2.0);
             sum
         });
         std::iter::once(0.0).take(self.x.len()).chain(steps).collect()
@@ -297,6 +318,22 @@ mod tests {
     }
 
     #[test]
+    fn two_lags_by_hand() {
+        // Of a ramp of 1 unit/s from equilibrium: t − (a + b) + (a² e^(−t/a) − b² e^(−t/b))/(a − b).
+        let time: Vec<f64> = (0..50).map(|row| f64::from(row) * 0.3).collect();
+        let ramp = Signal { time_s: &time, x: time.clone(), held: &[] };
+        let (a, b) = (3.0_f64, 1.2_f64);
+        let began = |t: f64| t + 0.3;
+        for (t, y) in time.iter().zip(ramp.lagged_twice(a, b / a)) {
+            let s = began(*t);
+            let left = (a * a * (-s / a).exp() - b * b * (-s / b).exp()) / (a - b);
+            assert!((y + 0.3 - (s - (a + b) + left)).abs() < 1e-12, "{t}");
+        }
+        let [near, equal] = [0.999, 1.0].map(|ratio| ramp.lagged_twice(a, ratio)[40]);
+        assert!((near - equal).abs() < 1e-2, "{near} {equal}");
+    }
+
+    #[test]
     fn nothing_answers_to_a_jump_before_it_comes() {
         let time: Vec<f64> = (0..8).map(f64::from).collect();
         let drive = [0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0];
@@ -308,7 +345,11 @@ mod tests {
         let signal = Signal::new(&time, drive.to_vec()).holding(&mask);
         let lagged: Vec<f64> = signal.lagged(0.1, Before::Moving);
         assert!(lagged[..3].iter().all(|y| *y == 0.0) && (lagged[4] - 1.0).abs() < 1e-3, "{lagged:?}");
-        assert_eq!(signal.delayed(|_| 0.2)[2], 0.0);
+        let delayed = signal.delayed(|_| 0.2);
+        assert_eq!(delayed[2..5], [0.0, 1.0, 1.0]);
+        // What lags misses e^(−h/2τ) of the jump in the middle of the step.
+        let missed = 1.0 - signal.lagged(1.0, Before::Moving)[3];
+        assert!((missed - (-0.5_f64).exp()).abs() < 1e-12, "{missed}");
         // A crest between two equal samples is no plateau, nor is a drive beside which another one moves.
         let crest: Vec<[f64; 1]> = time.iter().map(|t| [-(t - 3.5) * (t - 3.5)]).collect();
         assert!(held(&time, &crest).is_empty());

@@ -41,6 +41,11 @@ def two_poles(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return loop(c, axis, lambda tau: response.poles([tau, ratio * tau]), LOOP)
 
 
+@kind("loop_bandwidth", "three poles", FAMILY, "Oppenheim and Schafer 1989, Discrete-Time Signal Processing: a cascade of RC filters")
+def three_poles(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    return loop(c, axis, lambda tau: response.poles([tau, 0.8 * tau, 0.6 * tau]), LOOP)
+
+
 @kind("loop_bandwidth", "damped second order", FAMILY, "Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems")
 def second_order(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     damping = rng.uniform(0.6, 0.95)
@@ -86,6 +91,11 @@ def eddy(c: Campaign, axis: int, what: Response) -> Effect:
 @kind("eddy_currents", "plate", FAMILY, "Carslaw and Jaeger 1959, Conduction of Heat in Solids, 3.4")
 def eddy_plate(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return eddy(c, axis, response.plate(c.step * rng.uniform(2, 25)))
+
+
+@kind("eddy_currents", "sphere", FAMILY, "Wait 1951, Geophysics 16, 666: a conducting sphere in a field that changes")
+def eddy_sphere(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    return eddy(c, axis, response.sphere(c.step * rng.uniform(2, 25)))
 
 
 @kind("eddy_currents", "many bodies", FAMILY, "Leliak 1961, IRE Trans. ANE-8, 95; a log-normal spread of their times")

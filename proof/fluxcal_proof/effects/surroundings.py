@@ -30,6 +30,12 @@ def two_pole_leak(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return leakage(c, rng, response.poles([tau, 0.4 * tau]), float(rng.uniform(0.0, 0.2)))
 
 
+@kind("nulling_leakage", "loop with a dead time", "outside_field", "a servo that computes: Franklin, Powell and Emami-Naeini")
+def late_leak(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    slow = response.relaxation(c.step * rng.uniform(5, 30)).then(response.late(c.step * rng.uniform(0.5, 2)))
+    return leakage(c, rng, slow, 0.0)
+
+
 def gradient(c: Campaign, axis: int, of: np.ndarray) -> Effect:
     """Readings from a relative gradient (3, 3) of one coil's field in GEO, 1/m."""
     parts = []

@@ -37,9 +37,9 @@ pub fn families(compared: &Compared, effects: &[ExplainedEffect]) -> Vec<Explain
         sets.map(|set| set.probability).sum::<f64>().min(1.0)
     };
     let of = |family: Family| {
-        let own = effects.iter().filter(|effect| {
-            Kind::named(&effect.effect).is_some_and(|kind| kind.about().family == family)
-        });
+        let own = effects
+            .iter()
+            .filter(|effect| Kind::named(&effect.effect).is_some_and(|kind| kind.about().family == family));
         let own: Vec<&ExplainedEffect> = own.collect();
         let first = own.first()?;
         let mut causes: Vec<Cause> = explained.rivals.iter().flat_map(|set| set.causes.clone()).collect();
@@ -119,7 +119,9 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
 /// The effect that a cause is in a form: of a current that acts at once the catalogue has the field.
 fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
     match cause {
-        Cause::Covariate(number) if compared.covariates[number].ends_with("_a") && form == Form::default() => {
+        Cause::Covariate(number)
+            if compared.covariates[number].ends_with("_a") && form == Form::default() =>
+        {
             Kind::StrayCurrent
         }
         Cause::Covariate(_) => Kind::Dependence,

@@ -1,35 +1,38 @@
 use super::prelude::*;
-use crate::memory::{Before, Signal};
+use crate::memory::Signal;
 
 const SOURCE: &str = "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241 (feedback loop); Auster et al. \
     2008, The THEMIS fluxgate magnetometer, Space Sci. Rev. 141, 235";
 
-/// The reading follows B through a first-order lag: τ y' = B − y, following B at the first row. ΔB ≈ −τ
-/// dB/dt.
+/// The reading follows B through the poles of the loop, τ and r τ: (1 + τ d/dt)(1 + r τ d/dt) y = B, following B at
+/// the first row. With r = 0 a first-order lag; ΔB ≈ −(1 + r) τ dB/dt.
 pub struct LoopBandwidth;
 
 impl Effect for LoopBandwidth {
     const ABOUT: About = About {
         name: "loop_bandwidth",
-        title: "reading follows the field with the loop's first-order lag",
+        title: "reading follows the field with the loop's lag",
         physics: "The feedback loop needs a time to balance the field, so that a changing field is read too late and, \
             above the loop's bandwidth, too small.",
-        equation: "dB = y - B, tau dy/dt = B - y",
+        equation: "dB = y - B, (1 + tau d/dt)(1 + r tau d/dt) y = B",
         source: SOURCE,
         family: Family::LateResponse,
         place: Place::Electronics,
         stage: Stage::Electronics,
         acts: Acts::OneSensor,
-        parameters: &[ParameterInfo::shape("lag_s", 1e-4, 10.0)],
+        parameters: &[
+            ParameterInfo::shape("lag_s", 1e-4, 10.0),
+            ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero(),
+        ],
         needs: &["time_s"],
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let lagged =
+        let field =
             Signal::new(time, signal.iter().map(|value| value[own]).collect()).holding(&around.context.held);
-        replace(own, lagged.lagged(parameters[0], Before::Moving), signal);
+        replace(own, field.lagged_twice(parameters[0], parameters[1]), signal);
         Ok(())
     }
 }

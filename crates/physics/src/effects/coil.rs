@@ -75,8 +75,11 @@ impl Effect for CoilHeating {
     }
 }
 
-/// ΔB = −s (B_c − L), τ dL/dt = B_c − L, following the drive at the first row: the field of currents that
-/// oppose the change.
+/// The fast ones of the currents in many bodies, or of the modes of a plate, die so many times as fast.
+const FAST: f64 = 5.0;
+
+/// ΔB = −s (B_c − L + q (B_c − L₅)), τ dL/dt = B_c − L, L₅ the same with τ/5, following the drive at the first row: the
+/// field of currents that oppose the change, in one body (q = 0), in many or in a plate.
 pub struct EddyCurrents;
 
 impl Effect for EddyCurrents {
@@ -85,7 +88,7 @@ impl Effect for EddyCurrents {
         title: "eddy currents near the coil oppose its changes",
         physics: "A changing coil field induces currents in nearby metal, whose own field opposes the change and \
             decays with the metal's time constant.",
-        equation: "dB = -s (B_c - L) 1e-6, tau dL/dt = B_c - L",
+        equation: "dB = -s (B_c - L + q (B_c - L_5)) 1e-6, tau dL/dt = B_c - L, L_5 with tau / 5",
         source: "Leliak 1961, Identification and evaluation of magnetic-field sources of MAD equipped aircraft, IRE \
             Trans. ANE-8, 95",
         family: Family::LateResponse,
@@ -95,6 +98,7 @@ impl Effect for EddyCurrents {
         parameters: &[
             ParameterInfo::amplitude("share_ppm", 1.0, 50_000.0),
             ParameterInfo::shape("time_constant_s", 1e-3, 1000.0),
+            ParameterInfo::shape("fast_ratio", 0.05, 5.0).or_zero(),
         ],
         needs: &["time_s", "drive of the coil"],
     };
@@ -104,9 +108,11 @@ impl Effect for EddyCurrents {
         let own = around.axis.index();
         let drive =
             Signal::new(time, signal.iter().map(|field| field[own]).collect()).holding(&around.context.held);
-        for (field, lagged) in signal.iter_mut().zip(drive.lagged(parameters[1], Before::Moving)) {
+        let slow = drive.lagged(parameters[1], Before::Moving);
+        let fast = drive.lagged(parameters[1] / FAST, Before::Moving);
+        for ((field, slow), fast) in signal.iter_mut().zip(slow).zip(fast) {
             let driven = field[own];
-            field[own] -= (driven - lagged) * parameters[0] * 1e-6;
+            field[own] -= (driven - slow + (driven - fast) * parameters[2]) * parameters[0] * 1e-6;
         }
         Ok(())
     }

@@ -1,8 +1,8 @@
 use super::prelude::*;
-use crate::memory::{Before, Signal};
+use crate::memory::Signal;
 
-/// ΔB = g ∘ L + f ∘ (U − L) in GEO, τ dL/dt = U − L, U the station's variation about its mean: g leaks of slow
-/// variations, f of fast ones.
+/// ΔB = g ∘ L + f ∘ (U − L) in GEO, (1 + τ d/dt)(1 + r τ d/dt) L = U, U the station's variation about its mean: g leaks
+/// of slow variations, f of fast ones, through a loop of one pole (r = 0) or of two.
 pub struct NullingLeakage;
 
 impl Effect for NullingLeakage {
@@ -11,7 +11,7 @@ impl Effect for NullingLeakage {
         title: "natural variations leak through the nulling",
         physics: "The loop that cancels Earth's field senses it elsewhere and late, and a share of each variation is \
             left at the sensors.",
-        equation: "dB_geo = (g U_lag + f (U - U_lag)) 1e-6, tau dU_lag/dt = U - U_lag, U = outside - its mean, per axis",
+        equation: "dB_geo = (g L + f (U - L)) 1e-6, (1 + tau d/dt)(1 + r tau d/dt) L = U = outside - its mean, per axis",
         source: "NASA CR-156638, test of the Earth field nulling system",
         family: Family::OutsideField,
         place: Place::Facility,
@@ -25,6 +25,7 @@ impl Effect for NullingLeakage {
             ParameterInfo::amplitude("fast_north_ppm", 100.0, 200_000.0).or_zero(),
             ParameterInfo::amplitude("fast_east_ppm", 100.0, 200_000.0).or_zero(),
             ParameterInfo::amplitude("fast_down_ppm", 100.0, 200_000.0).or_zero(),
+            ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero(),
         ],
         needs: &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"],
     };
@@ -40,7 +41,7 @@ impl Effect for NullingLeakage {
             let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
             let mean = if count > 0.0 { sum / count } else { 0.0 };
             let variation: Vec<T> = outside.iter().map(|value| T::from(value - mean)).collect();
-            let slow = Signal::new(time, variation.clone()).lagged(parameters[3], Before::Moving);
+            let slow = Signal::new(time, variation.clone()).lagged_twice(parameters[3], parameters[7]);
             let [of_slow, of_fast] = [parameters[axis.index()], parameters[4 + axis.index()]];
             for ((field, all), slow) in signal.iter_mut().zip(variation).zip(slow) {
                 let fast = if all.re().is_finite() { all - slow } else { T::from(0.0) };

@@ -42,14 +42,14 @@ fn round_trip(document: &Document, effects: &[EffectInstance]) -> (Vec<Row>, f64
 fn lags_longer_than_a_step_are_taken_out() {
     let document = document(400);
     for lag_s in [0.01, 0.3, 1.0, 3.0, 10.0] {
-        let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[lag_s])]);
+        let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[lag_s, 0.0])]);
         let lost = rows.iter().filter(|row| **row != Row::Found).count();
         println!("lag of {lag_s} steps: {off:.1e} nT, {lost} rows not found");
         assert!(off < 1e-6 && lost == 0, "{lag_s}: {off} {lost}");
     }
     // What a lag of very many steps leaves of a change from row to row cannot be told from rounding; no row
     // is claimed wrongly.
-    let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[100.0])]);
+    let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[100.0, 0.0])]);
     assert!(rows.contains(&Row::NotInvertible) && off < 1e-6, "{off}");
 }
 
@@ -99,7 +99,7 @@ fn derivatives_agree_with_differences() {
     let effects = [
         effect(Kind::SensitivityTemperature, Some(Axis::X), &[28.0, 0.5]),
         effect(Kind::CrossField, Some(Axis::Y), &[5.0, 3.0, 2.0]),
-        effect(Kind::LoopBandwidth, Some(Axis::Z), &[1.5]),
+        effect(Kind::LoopBandwidth, Some(Axis::Z), &[1.5, 0.0]),
     ];
     let readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
     let solve = |basic: &Basic, effects: &[EffectInstance]| {
@@ -171,7 +171,7 @@ fn errors_of_readings_spread_as_drawn_ones_do() {
     let references = References::of(&document);
     let context = Context::new(&document, &document.recordings[0], references).expect("a context");
     let basic = Basic::of(&document, Unit::Volt);
-    let effects = [effect(Kind::LoopBandwidth, Some(Axis::Z), &[0.8])];
+    let effects = [effect(Kind::LoopBandwidth, Some(Axis::Z), &[0.8, 0.0])];
     let readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
     let inverter = Inverter::new(&basic, &effects, &context).expect("an inverter");
     let solved = inverter.field(&readings).expect("solved");
