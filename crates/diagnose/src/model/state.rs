@@ -97,16 +97,22 @@ impl Model<'_> {
         base.chain(self.known_of_effects(state)).collect()
     }
 
-    /// The same of effects. Of a series of harmonics recordings determine only sums; each term is known to be
-    /// of a plausible size.
+    /// The same of effects. Of a series of harmonics recordings determine only sums, and of two short lags their sum;
+    /// each term and their ratio are known to be of a plausible size.
     pub fn known_of_effects(&self, state: &State) -> Vec<(usize, f64, f64)> {
-        let series = |(k, (effect, parameter)): (usize, (usize, usize))| {
+        let known = |(k, (effect, parameter)): (usize, (usize, usize))| {
             let effect = &state.effects[effect];
-            let info = &effect.kind.parameters()[parameter];
-            (effect.kind == Kind::SunThermoelectricHarmonics)
-                .then(|| (self.unknowns.len() + k, effect.parameters[parameter], info.high))
+            let (info, value) = (&effect.kind.parameters()[parameter], effect.parameters[parameter]);
+            let (off, std) = match (effect.kind, info.name.ends_with("_ratio")) {
+                (Kind::SunThermoelectricHarmonics, _) => (value, info.high),
+                (_, true) => {
+                    ((value / (info.low * info.high).sqrt()).ln(), 0.25 * (info.high / info.low).ln())
+                }
+                _ => return None,
+            };
+            Some((self.unknowns.len() + k, off, std))
         };
-        self.free(state).into_iter().enumerate().filter_map(series).collect()
+        self.free(state).into_iter().enumerate().filter_map(known).collect()
     }
 
     /// The unit of a run's readings, which says whose constants it shows.
