@@ -1,6 +1,6 @@
 //! What was found, as effects of the catalogue in the document's model.
 
-use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity, SensorCalibration};
+use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity, SensorCalibration, uncertainty};
 use indexmap::IndexMap;
 use physics::Kind;
 
@@ -33,9 +33,10 @@ pub fn adopt(document: &mut Document, sensor: Axis, found: &SensorFindings) {
         let parameter = kind.parameters()[0].name.to_string();
         effects.push(one(*kind, sensor, [(parameter, size.clone())].into_iter().collect()));
     }
-    let matters = across_matters(&found.calibration);
-    if let Some(cross) = found.calibration.cross_field.as_ref().filter(|_| matters) {
-        effects.extend(across(cross, sensor, found.likely));
+    if let (Some(cross), Some(of_cross)) = (&found.calibration.cross_field, &found.across)
+        && across_matters(&found.calibration)
+    {
+        effects.extend(across(cross, sensor, of_cross.likely));
     }
     let mine =
         |effect: &AdoptedEffect| effect.extra.get(FOUND_BY.0).and_then(|by| by.as_str()) == Some(FOUND_BY.1);
@@ -63,6 +64,11 @@ pub fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> 
         extra,
         ..AdoptedEffect::default()
     }
+}
+
+/// The path of a parameter of such an effect.
+pub fn path(kind: Kind, sensor: Axis, parameter: &str) -> String {
+    uncertainty::effect(&one(kind, sensor, IndexMap::new()), parameter)
 }
 
 /// Whether fields across change a sensor.

@@ -14,45 +14,42 @@ const ACROSS_NT: f64 = 50_000.0;
 /// Lowest and highest frequency of the noise of a reading: a day, and a reading each second.
 const BAND_HZ: [f64; 2] = [1.0 / 86_400.0, 0.5];
 
-/// What was found besides what stands in the document.
-pub struct Terms<'a> {
-    /// The constants in the coil.
-    pub constants: Option<&'a Constants>,
-    /// What temperatures do.
-    pub conditions: &'a Conditions,
-}
-
-/// One budget for each field and temperature that is asked for.
-pub fn budget(sensor: &SensorCalibration, terms: &Terms<'_>, options: &Options) -> Vec<ErrorBudget> {
-    let Some(constants) = terms.constants else { return Vec::new() };
+/// One budget for each field and temperature that is asked for, of a sensor as the document has it.
+pub fn budget(
+    sensor: &SensorCalibration,
+    constants: &Constants,
+    conditions: &Conditions,
+    options: &Options,
+) -> Vec<ErrorBudget> {
     let largest = constants.largest_nt;
     let fields = if options.budget_field_nt.is_empty() {
         vec![0.0, largest / 2.0, largest]
     } else {
         options.budget_field_nt.clone()
     };
-    let warmer = match (options.budget_warmer_k.as_slice(), terms.conditions.effects.is_empty()) {
+    let warmer = match (options.budget_warmer_k.as_slice(), conditions.effects.is_empty()) {
         ([], true) => vec![0.0],
         ([], false) => vec![0.0, WARMER_K],
         (asked, _) => asked.to_vec(),
     };
-    let at = |field: f64, warmer_k: f64| one(sensor, terms, constants, field, warmer_k);
-    warmer
-        .iter()
-        .flat_map(|warmer| fields.iter().map(|field| at(*field, *warmer)).collect::<Vec<_>>())
-        .collect()
+    let all = warmer.iter().flat_map(|warmer| fields.iter().map(move |field| (*field, *warmer)));
+    all.map(|(field, warmer_k)| one(sensor, constants, conditions, field, warmer_k)).collect()
 }
 
 fn one(
     sensor: &SensorCalibration,
-    terms: &Terms<'_>,
     constants: &Constants,
+    conditions: &Conditions,
     field: f64,
     warmer_k: f64,
 ) -> ErrorBudget {
     let mut all: Vec<(&str, f64)> = Vec::new();
     let reading = field / constants.sensitivity;
-    let [[kk, ko], [_, oo]] = covariance(sensor, constants);
+    // As the document has it, where it has one.
+    let [[kk, ko], [_, oo]] = match sensor.covariance.as_deref() {
+        Some([first, second]) => [[first[0], first[1]], [second[0], second[1]]],
+        _ => constants.covariance,
+    };
     let common = reading.abs() * constants.common[0][0].sqrt();
     let joint = reading * reading * kk;
     all.push(("coil constant (common)", common.min(joint.sqrt())));
@@ -63,8 +60,8 @@ fn one(
         let share = (field / ACROSS_NT).powi(power).abs();
         all.push(("nonlinearity", share * size.std().unwrap_or(0.0)));
     }
-    if warmer_k != 0.0 && !terms.conditions.effects.is_empty() {
-        all.push(("temperature coefficients", temperature(terms.conditions, field, warmer_k)));
+    if warmer_k != 0.0 && !conditions.effects.is_empty() {
+        all.push(("temperature coefficients", temperature(conditions, field, warmer_k)));
     }
     if let Some(noise) = &sensor.noise {
         let measured = crate::noise::as_noise(noise);
@@ -103,31 +100,18 @@ fn one(
     }
 }
 
-/// Covariance of k and O as the document has it.
-fn covariance(sensor: &SensorCalibration, constants: &Constants) -> [[f64; 2]; 2] {
-    match sensor.covariance.as_deref() {
-        Some([first, second]) => [[first[0], first[1]], [second[0], second[1]]],
-        _ => constants.covariance,
-    }
-}
-
 /// Standard uncertainty of what a temperature adds: the sensor's and the electronics' alike.
 fn temperature(conditions: &Conditions, field: f64, warmer_k: f64) -> f64 {
-    let by: Vec<f64> = conditions
-        .effects
-        .iter()
-        .flat_map(|effect| {
-            let infos = effect.kind.parameters().iter();
-            infos.map(move |info| {
-                let scale = if info.name.contains("ppm") { field * 1e-6 } else { 1.0 };
-                match info.name {
-                    name if name.ends_with("per_k") => scale * warmer_k,
-                    name if name.ends_with("per_k2") => scale * warmer_k * warmer_k,
-                    // In equilibrium a lag has no part.
-                    _ => 0.0,
-                }
-            })
-        })
-        .collect();
+    let infos = conditions.effects.iter().flat_map(|effect| effect.kind.parameters());
+    let by = infos.map(|info| {
+        let scale = if info.name.contains("ppm") { field * 1e-6 } else { 1.0 };
+        match info.name {
+            name if name.ends_with("per_k") => scale * warmer_k,
+            name if name.ends_with("per_k2") => scale * warmer_k * warmer_k,
+            // In equilibrium a lag has no part.
+            _ => 0.0,
+        }
+    });
+    let by: Vec<f64> = by.collect();
     conditions.variance(&by).max(0.0).sqrt()
 }

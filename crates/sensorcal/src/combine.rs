@@ -15,16 +15,6 @@ use crate::sensitivity::{Constants, sensitivity_key};
 /// Below this probability of a larger difference, the two offsets disagree.
 const DISAGREE_BELOW: f64 = 0.01;
 
-/// What O is joined of.
-pub struct Seen<'a> {
-    /// k and O in a coil.
-    pub constants: Option<&'a Constants>,
-    /// O by reversals.
-    pub turned: Option<&'a Turned>,
-    /// The effects of temperature that were taken off of both.
-    pub conditions: &'a Conditions,
-}
-
 /// Writes what was found over what the document said; what was not recorded stays.
 ///
 /// O is seen twice: in the coil, where errors of the coil's own offset come in, and by reversals. Where the
@@ -35,15 +25,16 @@ pub struct Seen<'a> {
 pub fn into(
     entry: &mut SensorCalibration,
     mut found: SensorCalibration,
-    seen: &Seen<'_>,
+    (constants, turned): (Option<&Constants>, Option<&Turned>),
+    conditions: &Conditions,
     (sensor, joint): (Axis, &mut Uncertainty),
 ) -> Result<(), Error> {
     let mut put = |block: Block| joint.put(block).map_err(Error::Unanswerable);
     let offset = uncertainty::sensor_offset(sensor);
-    if let Some(constants) = seen.constants {
-        let Joined { gain, finding } = joined(constants, seen.turned, seen.conditions);
-        put(block(constants, seen.turned, seen.conditions, gain))?;
-        let difference = seen.turned.map_or(0.0, |turned| turned.offset_nt - constants.offset_nt);
+    if let Some(constants) = constants {
+        let (gain, finding) = joined(constants, turned, conditions);
+        put(block(constants, turned, conditions, gain))?;
+        let difference = turned.map_or(0.0, |turned| turned.offset_nt - constants.offset_nt);
         let key = uncertainty::sensitivity(sensor, constants.unit.suffix());
         let k = quantity(joint, &key, constants.sensitivity + gain[0] * difference);
         match constants.unit {
@@ -56,13 +47,13 @@ pub fn into(
         if let (Some(fit), Some(finding)) = (&mut found.sensitivity, finding) {
             fit.findings.push(finding);
         }
-    } else if let Some(turned) = seen.turned {
+    } else if let Some(turned) = turned {
         put(Block {
             name: format!("sensor {sensor}: scatter of the reversals"),
             degrees_of_freedom: f64::INFINITY,
             parameters: vec![offset.clone()],
             covariance: mat![[turned.covered_nt2()]],
-            by: by_turned(turned, seen.conditions).map(|(path, by)| (path, vec![by])).collect(),
+            by: by_turned(turned, conditions).map(|(path, by)| (path, vec![by])).collect(),
         })?;
         entry.offset_nt = Some(quantity(joint, &offset, turned.offset_nt));
         (entry.covariance, entry.covariance_order) = (None, None);
@@ -110,13 +101,12 @@ fn block(constants: &Constants, turned: Option<&Turned>, conditions: &Conditions
 }
 
 /// How much of the difference between the two offsets goes to k and to O, and what is to be said of it.
-struct Joined {
-    gain: [f64; 2],
-    finding: Option<String>,
-}
-
-fn joined(constants: &Constants, turned: Option<&Turned>, conditions: &Conditions) -> Joined {
-    let alone = Joined { gain: [0.0; 2], finding: None };
+fn joined(
+    constants: &Constants,
+    turned: Option<&Turned>,
+    conditions: &Conditions,
+) -> ([f64; 2], Option<String>) {
+    let alone = ([0.0; 2], None);
     let Some(turned) = turned else { return alone };
     // Derivatives of O and of the reversals' O by the parameters of the temperatures.
     let parameters = conditions.covariance.nrows();
@@ -143,9 +133,9 @@ fn joined(constants: &Constants, turned: Option<&Turned>, conditions: &Condition
             p_value(p)
         );
         // k as it was, O as the reversals have it.
-        return Joined { gain: [0.0, 1.0], finding: Some(finding) };
+        return ([0.0, 1.0], Some(finding));
     }
-    Joined { gain: [own(0, 1) / variance, own(1, 1) / variance], finding: None }
+    ([own(0, 1) / variance, own(1, 1) / variance], None)
 }
 
 #[cfg(test)]
@@ -193,8 +183,8 @@ mod tests {
             sensitivity: Some(Box::new(constants.fit.clone())),
             ..SensorCalibration::default()
         };
-        let seen = Seen { constants: Some(constants), turned: Some(&turned), conditions };
-        into(&mut entry, fitted, &seen, (Axis::X, &mut joint)).expect("found");
+        let offsets = (Some(constants), Some(&turned));
+        into(&mut entry, fitted, offsets, conditions, (Axis::X, &mut joint)).expect("found");
         let values =
             [&entry.sensitivity_nt_per_v, &entry.offset_nt].map(|of| of.as_ref().expect("found").value());
         (values, entry.covariance.expect("found"), entry.sensitivity.expect("found").findings.clone())

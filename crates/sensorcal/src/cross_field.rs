@@ -8,7 +8,7 @@
 
 use common::covariance::rows;
 use common::number::p_value;
-use common::uncertainty::{self, Block};
+use common::uncertainty::Block;
 use common::{
     Axis, CrossFieldFit, CrossFieldLevels, Document, FTest, FitNoise, Quantity, TestResult, procedure,
 };
@@ -35,10 +35,8 @@ const LEVEL: usize = 3;
 /// Fields across that are levels, and not a field that moves on its way, at most.
 const MOST_LEVELS: usize = 100;
 
-/// What was found of a sensor.
-pub struct CrossFieldFindings {
-    /// For the document.
-    pub fit: CrossFieldFit,
+/// What was found of a sensor besides the coefficients.
+pub struct AcrossFindings {
     /// The parameters as they were estimated.
     pub block: Block,
     /// Standard deviation of a parameter that was not seen, for each of [`effects::KINDS`], nT.
@@ -54,7 +52,7 @@ pub fn coefficients(
     noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
     sides: &Sides,
-) -> Result<Option<CrossFieldFindings>, Error> {
+) -> Result<Option<(CrossFieldFit, AcrossFindings)>, Error> {
     let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
     if runs.is_empty() {
         return Ok(None);
@@ -70,15 +68,14 @@ pub fn coefficients(
             "`orientation` or `theodolite`, which give the directions of the transverse fields at the sensor";
         return Err(Error::document(format!("{}.conditions", run.path), found, expected));
     }
-    let k = runs[0].basic.sensors[sensor.index()].sensitivity;
-    let shape = noise(runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k);
+    let shape = noise(code_width(document, &runs[0]) * runs[0].basic.sensors[sensor.index()].sensitivity);
     let (effects, known) = conditions.effects_in(&runs);
     let mut knowns = fit::coils(document, &runs)?;
     knowns.extend(known);
     let mut unknowns = across.unknowns(&runs);
     unknowns.extend(levels::polynomial(&runs));
     let place = if across.held.is_empty() { Place::Coils } else { Place::Levels };
-    let allowed = fit::noise_in(&runs, &shape, place)?;
+    let allowed = fit::noise(&runs, &shape, place)?;
     let base = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
     let without = base.solve()?;
     let directions = sides.solve(&across.cosines(&runs, &without))?;
@@ -99,7 +96,13 @@ pub fn coefficients(
     let places: Vec<usize> = (first..first + sought.len()).collect();
     let likely = effects::likely(&sought, fit, first);
     let errors = effects::unknown(&sided, &directions, (&sought, &unseen), (fit, first), likely)?;
-    let own = own_covariance(&problem, fit, &places, &errors)?;
+    // From scatter, and from errors that add columns to the readings.
+    let mut own = fit.scatter_of(&places);
+    for error in &errors {
+        let shift = problem.taken_up(&fit.design, &fit.linear, error)?;
+        let shift = Col::from_fn(places.len(), |at| shift[places[at]]);
+        own += &shift * shift.transpose();
+    }
     for (at, one) in sought.iter().enumerate() {
         let variance = own[(at, at)] + fit.common[(first + at, first + at)];
         let quantity = Quantity::new(fit.values[first + at], variance.sqrt());
@@ -113,9 +116,7 @@ pub fn coefficients(
     let count = places.len();
     found.covariance = rows(&(&own + fit.common.submatrix(first, first, count, count)));
     let (freedom, factor) = sized.freedom(fit, &places)?;
-    let parameters = sought
-        .iter()
-        .map(|one| uncertainty::effect(&adopt::one(one.kind, sensor, Default::default()), one.name()));
+    let parameters = sought.iter().map(|one| adopt::path(one.kind, sensor, one.name()));
     let block = Block {
         name: format!("sensor {sensor}: scatter with transverse fields"),
         degrees_of_freedom: freedom,
@@ -125,29 +126,14 @@ pub fn coefficients(
     };
     found.departures = extended.departures;
     found.noise = FitNoise { degrees_of_freedom: freedom, coverage_factor_95: factor, ..fit.noise.clone() };
-    found.significance = Some(significance(fit, (first, places.len()), freedom));
+    found.significance = Some(significance(fit, &places, freedom));
     found.misalignments = across.named(&runs, fit);
-    levels_of(&runs, &across, &shape, &problem, &mut found)?;
+    let lean = problem.with(problem.unknowns[..first].to_vec());
+    levels_of(&lean, &across, &shape, &mut found)?;
     let (held_out, left_out) = passes::left_out(&problem, (&sought, first), (&shape, place))?.unzip();
     found.held_out = held_out;
     findings(sensor, &unseen, &runs, &mut found, conditions);
-    Ok(Some(CrossFieldFindings { fit: found, block, likely, left_out: left_out.unwrap_or_default() }))
-}
-
-/// Covariance of some unknowns from scatter and from errors that add columns to the readings.
-fn own_covariance(
-    problem: &Problem<'_, '_>,
-    fit: &Fit,
-    places: &[usize],
-    errors: &[Vec<f64>],
-) -> Result<Mat<f64>, Error> {
-    let mut covariance = fit.scatter_of(places);
-    for error in errors {
-        let shift = problem.taken_up(&fit.design, &fit.linear, error)?;
-        let shift = Col::from_fn(places.len(), |at| shift[places[at]]);
-        covariance += &shift * shift.transpose();
-    }
-    Ok(covariance)
+    Ok(Some((found, AcrossFindings { block, likely, left_out: left_out.unwrap_or_default() })))
 }
 
 /// B u²: the sensitivity's even dependence on the field across, which the catalogue does not have.
@@ -169,24 +155,23 @@ fn squared(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Candidate {
 }
 
 /// χ² of all the parameters together.
-fn significance(fit: &Fit, (first, count): (usize, usize), freedom: f64) -> TestResult {
-    let block = Mat::from_fn(count, count, |i, j| fit.scatter(first + i, first + j));
-    let values = Mat::from_fn(count, 1, |i, _| fit.values[first + i]);
-    let form = estimate::correlated::Whitening::of(std::slice::from_ref(&block))
+fn significance(fit: &Fit, places: &[usize], freedom: f64) -> TestResult {
+    let values = Mat::from_fn(places.len(), 1, |i, _| fit.values[places[i]]);
+    let form = estimate::correlated::Whitening::of(&[fit.scatter_of(places)])
         .map(|white| white.apply(values.as_ref()).squared_norm_l2())
         .unwrap_or(0.0);
-    let f = form / count as f64;
-    TestResult { statistic: f, p_value: stats::f_p(f, count as f64, freedom) }
+    let count = places.len() as f64;
+    TestResult { statistic: form / count, p_value: stats::f_p(form / count, count, freedom) }
 }
 
 /// k and O at each field across, and whether they differ beyond a lean of the sensor.
 fn levels_of(
-    runs: &[Run<'_>],
+    lean: &Problem<'_, '_>,
     across: &Across,
     shape: &Shape,
-    problem: &Problem<'_, '_>,
     found: &mut CrossFieldFit,
 ) -> Result<(), Error> {
+    let runs = lean.runs;
     let mut groups: Vec<(usize, Vec<usize>)> = Vec::new();
     let mut fields: Vec<Vec<f64>> = Vec::new();
     for (number, run) in runs.iter().enumerate() {
@@ -222,22 +207,16 @@ fn levels_of(
     }
     found.levels = columns;
     // Own k and O for every field across, against a lean alone.
-    let lean = problem.with(problem.unknowns[..problem.unknowns.len() - count(found)].to_vec()).solve()?;
     let mut unknowns = levels::polynomial(runs);
     unknowns.extend(levels::lines(runs, &groups));
-    let full = problem.with(unknowns).solve()?;
-    let above = lean.linear.freedom - full.linear.freedom;
-    if above >= 1.0 && full.linear.freedom >= 1.0 {
-        let f =
-            (lean.sum_of_squares() - full.sum_of_squares()).max(0.0) / above / full.linear.variance_factor;
-        let below = full.linear.freedom;
+    let (full, lean) = (lean.with(unknowns).solve()?, lean.solve()?);
+    let (above, below) = (lean.linear.freedom - full.linear.freedom, full.linear.freedom);
+    if above >= 1.0 && below >= 1.0 {
+        let fall = (lean.sum_of_squares() - full.sum_of_squares()).max(0.0);
+        let f = fall / above / full.linear.variance_factor;
         found.difference = Some(FTest { f, above, below, p_value: stats::f_p(f, above, below) });
     }
     Ok(())
-}
-
-fn count(found: &CrossFieldFit) -> usize {
-    found.offset.len() + found.sensitivity.len()
 }
 
 fn findings(

@@ -25,7 +25,6 @@ const MOST: usize = 2;
 /// Something that a fit may leave out: one column, nT for each unit of its parameter.
 #[derive(Clone)]
 pub struct Candidate {
-    /// Its name in documents.
     pub name: &'static str,
     /// Its parameter; the unit stands in the key.
     pub parameter: &'static str,
@@ -55,7 +54,7 @@ impl Candidate {
 /// the unknowns and all candidates, it alone.
 pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Allowed, Error> {
     let Some(own) = problem.allowed.own() else { return Ok(problem.allowed.clone()) };
-    let fit = Problem { allowed: &own, ..problem.with(problem.unknowns.clone()) }.solve()?;
+    let fit = Problem { allowed: &own, ..problem.clone() }.solve()?;
     let mut wide = fit.design.clone();
     for candidate in candidates {
         let column = used(problem.runs, &candidate.column);
@@ -70,7 +69,7 @@ pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> 
 }
 
 /// A design with one more column.
-fn beside(design: &Mat<f64>, column: &[f64]) -> Mat<f64> {
+pub fn beside(design: &Mat<f64>, column: &[f64]) -> Mat<f64> {
     let (rows, columns) = (design.nrows(), design.ncols());
     Mat::from_fn(rows, columns + 1, |i, j| if j < columns { design[(i, j)] } else { column[i] })
 }
@@ -103,15 +102,15 @@ pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Ext
     let (mut departures, mut found, mut rivals) = (Vec::new(), Vec::<&'static str>::new(), Vec::new());
     for round in 0..=MOST {
         let mut trials: Vec<(&Candidate, f64, f64)> = Vec::new();
-        let fitted = Beside::of(problem.allowed, &fit);
+        let allowed = problem.allowed.weighty(&fit.linear);
         for (candidate, column) in visible.iter().filter(|(candidate, _)| !found.contains(&candidate.name)) {
-            let Some(Tried { size, std, p_value, gain }) = fitted.try_column(column)? else { continue };
+            let Some((parameter, p_value)) = beside_fit(&fit, &allowed, column)? else { continue };
+            // The fall of χ², in units of the variance beside it.
+            let gain = (parameter.value() / parameter.std().unwrap_or(f64::NAN)).powi(2);
             if round == 0 {
                 departures.push(Departure {
                     departure: candidate.name.into(),
-                    parameter: [(candidate.parameter.to_string(), Quantity::new(size, std))]
-                        .into_iter()
-                        .collect(),
+                    parameter: [(candidate.parameter.to_string(), parameter)].into_iter().collect(),
                     p_value,
                     p_adjusted: (p_value * count).min(1.0),
                     found: false,
@@ -139,46 +138,21 @@ pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Ext
     Ok(Extended { fit, departures, found, rivals })
 }
 
-/// A fit beside which columns are tried.
-struct Beside<'f> {
-    fit: &'f Fit,
-    allowed: Allowed,
-}
-
-/// What a column gives beside a fit.
-struct Tried {
-    size: f64,
-    std: f64,
-    p_value: f64,
-    /// Fall of χ², in units of the variance beside it.
-    gain: f64,
-}
-
-impl<'f> Beside<'f> {
-    fn of(allowed: &Allowed, fit: &'f Fit) -> Self {
-        Self { fit, allowed: allowed.weighty(&fit.linear) }
+/// The size of a column beside a fit, and the probability that it is zero; None where the column is not seen
+/// beside the others.
+fn beside_fit(fit: &Fit, allowed: &Allowed, column: &[f64]) -> Result<Option<(Quantity, f64)>, Error> {
+    let (rows, unknowns) = (fit.design.nrows(), fit.design.ncols());
+    if rows <= unknowns + 1 {
+        return Ok(None);
     }
-
-    /// None where the column is not seen beside the others.
-    fn try_column(&self, column: &[f64]) -> Result<Option<Tried>, Error> {
-        let (rows, unknowns) = (self.fit.design.nrows(), self.fit.design.ncols());
-        let wider = beside(&self.fit.design, column);
-        if rows <= unknowns + 1 {
-            return Ok(None);
-        }
-        let tried = correlated::fit(
-            wider.as_ref(),
-            &self.fit.linear.residuals,
-            &self.allowed.whitenings,
-            Scale::Fitted,
-        )?;
-        if tried.freedom < 1.0 || tried.rank <= unknowns {
-            return Ok(None);
-        }
-        let (size, std) = (tried.coefficients[unknowns], tried.covariance(unknowns, unknowns).sqrt());
-        let p_value = tried.mixture.p_value(&[unknowns])?;
-        Ok(Some(Tried { size, std, p_value, gain: (size / std).powi(2) }))
+    let wider = beside(&fit.design, column);
+    let tried = correlated::fit(wider.as_ref(), &fit.linear.residuals, &allowed.whitenings, Scale::Fitted)?;
+    if tried.freedom < 1.0 || tried.rank <= unknowns {
+        return Ok(None);
     }
+    let std = tried.covariance(unknowns, unknowns).sqrt();
+    let size = Quantity::new(tried.coefficients[unknowns], std);
+    Ok(Some((size, tried.mixture.p_value(&[unknowns])?)))
 }
 
 /// A series over the used rows of all runs.

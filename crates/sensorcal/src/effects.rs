@@ -6,7 +6,7 @@ use nalgebra::Matrix3;
 use physics::{Kind, frames};
 
 use crate::Error;
-use crate::departure::{Candidate, used, visible_share};
+use crate::departure::{Candidate, beside, used, visible_share};
 use crate::fit::Fit;
 use crate::readings::{FULL_NT, Run};
 use crate::sides::Directions;
@@ -15,13 +15,11 @@ use faer::Mat;
 /// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside
 /// the others, cannot be told.
 const VISIBLE: f64 = 0.2;
-/// The effects.
 pub const KINDS: [Kind; 2] = [Kind::CrossField, Kind::CrossFieldSensitivity];
 
 /// One parameter that is sought.
 #[derive(Clone)]
 pub struct Sought {
-    /// The effect.
     pub kind: Kind,
     /// Number of its parameter.
     pub number: usize,
@@ -64,19 +62,17 @@ fn largest(values: &[f64]) -> f64 {
 /// The parameters of the catalogue's effects that these recordings can tell apart, and those that they
 /// cannot.
 pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>), Error> {
-    let (mut seen, mut unseen): (Vec<Sought>, Vec<Sought>) = (Vec::new(), Vec::new());
+    let (mut seen, mut unseen) = (Vec::new(), Vec::new());
+    let mut wide = design.clone();
     for kind in KINDS {
         let all = (0..kind.parameters().len())
             .map(|number| Sought { kind, number, column: Vec::new() }.again(runs))
             .collect::<Result<Vec<Sought>, Error>>()?;
         let most = all.iter().map(|one| largest(&used(runs, &one.column))).fold(0.0, f64::max);
         for one in all {
-            let others: Vec<Vec<f64>> = seen.iter().map(|one| used(runs, &one.column)).collect();
-            let beside = Mat::from_fn(design.nrows(), design.ncols() + others.len(), |i, j| {
-                if j < design.ncols() { design[(i, j)] } else { others[j - design.ncols()][i] }
-            });
             let values = used(runs, &one.column);
-            if largest(&values) > VISIBLE * most && visible_share(&beside, &values) > VISIBLE {
+            if largest(&values) > VISIBLE * most && visible_share(&wide, &values) > VISIBLE {
+                wide = beside(&wide, &values);
                 seen.push(one);
             } else {
                 unseen.push(one);
@@ -86,27 +82,23 @@ pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<S
     Ok((seen, unseen))
 }
 
-/// Prior standard deviation of a parameter that is not identifiable: from the squares of the others of its
-/// effect, each weighted by the probability that it is not zero, with the odds of the Bayesian information
-/// criterion, √n exp(−z²/2) against it. Their sum is divided by one less than their number, for so few say
-/// little of their common size: of two normal values the mean square is too small for a third one in more
-/// than half of all cases.
-fn likely_size(others: impl Iterator<Item = (f64, f64)>, readings: f64) -> f64 {
-    let squares: Vec<f64> = others
-        .map(|(value, std)| {
-            let against = readings.max(1.0).sqrt() * (-0.5 * (value / std).powi(2)).exp();
-            value * value / (1.0 + against)
-        })
-        .collect();
-    (squares.iter().sum::<f64>() / squares.len().saturating_sub(1).max(1) as f64).sqrt()
-}
-
-/// That prior standard deviation for each of [`KINDS`], nT: by the parameters from `first` on of a fit, which
-/// belong to `seen`.
+/// Prior standard deviation of a parameter that is not identifiable, for each of [`KINDS`], nT: by the
+/// parameters from `first` on of a fit, which belong to `seen`.
+///
+/// From the squares of the others of its effect, each weighted by the probability that it is not zero, with the
+/// odds of the Bayesian information criterion, √n exp(−z²/2) against it. Their sum is divided by one less than
+/// their number, for so few say little of their common size: of two normal values the mean square is too small
+/// for a third one in more than half of all cases.
 pub fn likely(seen: &[Sought], fit: &Fit, first: usize) -> [f64; 2] {
+    let readings = fit.linear.freedom.max(1.0);
     KINDS.map(|kind| {
-        let of = seen.iter().enumerate().filter(|(_, one)| one.kind == kind);
-        likely_size(of.map(|(at, _)| (fit.values[first + at], fit.type_a(first + at))), fit.linear.freedom)
+        let others = seen.iter().enumerate().filter(|(_, one)| one.kind == kind);
+        let square = |(at, _): (usize, &Sought)| {
+            let (value, std) = (fit.values[first + at], fit.type_a(first + at));
+            value * value / (1.0 + readings.sqrt() * (-0.5 * (value / std).powi(2)).exp())
+        };
+        let squares: Vec<f64> = others.map(square).collect();
+        (squares.iter().sum::<f64>() / squares.len().saturating_sub(1).max(1) as f64).sqrt()
     })
 }
 

@@ -6,7 +6,7 @@ use common::{Axis, FitNoise, Quantity, Uncertainty};
 use estimate::correlated::{self, CorrelatedFit, Scale};
 use estimate::gauss_newton::{Control, Damping, Descent, Minimum, Tolerance};
 use faer::{ColRef, Mat};
-use physics::{Basic, EffectInstance, Parameter};
+use physics::{Basic, EffectInstance, Kind, Parameter};
 
 use crate::Error;
 use crate::allowed::{Allowed, Rows};
@@ -25,7 +25,6 @@ const ITERATION: Control = Control {
     reach: None,
 };
 
-/// One unknown.
 #[derive(Clone)]
 pub enum Unknown {
     /// A parameter of the chain, in some of the runs; an effect's parameter is one in all.
@@ -37,56 +36,34 @@ pub enum Unknown {
 /// Parameters that are known with a covariance, in all runs.
 #[derive(Clone)]
 pub struct KnownParameters {
-    /// They.
     pub parameters: Vec<Parameter>,
-    /// Their covariance.
     pub covariance: Mat<f64>,
     /// What it rests on: parameters of the document, each with how these move with it.
     pub rests_on: By,
 }
 
 /// What is fitted.
+#[derive(Clone)]
 pub struct Problem<'a, 'b> {
     /// The recordings; constants of the sensor start as they stand there.
     pub runs: &'a [Run<'b>],
     /// Effects that act, with the values from which unknown ones start.
     pub effects: Vec<EffectInstance>,
-    /// The unknowns.
     pub unknowns: Vec<Unknown>,
-    /// What is known with an uncertainty.
     pub known: Vec<KnownParameters>,
     /// The noise.
     pub allowed: &'a Allowed,
 }
 
-/// The noise that is allowed for in runs in a coil.
-pub fn noise(runs: &[Run<'_>], shape: &Shape) -> Result<Allowed, Error> {
-    noise_in(runs, shape, Place::Coils)
-}
-
-/// The same in a place.
-pub fn noise_in(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed, Error> {
+/// The noise that is allowed for in runs.
+pub fn noise(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed, Error> {
     let rows: Vec<Rows> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
     shape.allowed(&rows, place)
-}
-
-impl<'a, 'b> Problem<'a, 'b> {
-    /// The same with other unknowns.
-    pub fn with(&self, unknowns: Vec<Unknown>) -> Problem<'a, 'b> {
-        Problem {
-            runs: self.runs,
-            effects: self.effects.clone(),
-            unknowns,
-            known: self.known.clone(),
-            allowed: self.allowed,
-        }
-    }
 }
 
 /// What was found.
 #[derive(Clone)]
 pub struct Fit {
-    /// Values of the unknowns.
     pub values: Vec<f64>,
     /// A factor of the linear fit's covariance.
     widened: f64,
@@ -98,7 +75,6 @@ pub struct Fit {
     pub linear: CorrelatedFit,
     /// Derivatives of the predicted field by the unknowns, nT, over the used rows of all runs.
     pub design: Mat<f64>,
-    /// The noise.
     pub noise: FitNoise,
 }
 
@@ -114,7 +90,7 @@ impl Fit {
         self.widened * self.linear.covariance(i, j)
     }
 
-    /// The same of some of the unknowns.
+    /// The same, of some of the unknowns.
     pub fn scatter_of(&self, unknowns: &[usize]) -> Mat<f64> {
         Mat::from_fn(unknowns.len(), unknowns.len(), |i, j| self.scatter(unknowns[i], unknowns[j]))
     }
@@ -152,7 +128,7 @@ impl Fit {
 
 /// Where the iteration stands.
 #[derive(Clone)]
-pub struct State {
+struct State {
     basics: Vec<Basic>,
     effects: Vec<EffectInstance>,
     /// Coefficients of the columns, in the order of the unknowns; zero for the others.
@@ -187,6 +163,11 @@ impl Descent for Problem<'_, '_> {
 }
 
 impl Problem<'_, '_> {
+    /// The same with other unknowns.
+    pub fn with(&self, unknowns: Vec<Unknown>) -> Self {
+        Self { unknowns, ..self.clone() }
+    }
+
     /// The minimum, by Gauss-Newton steps of generalised least squares.
     pub fn solve(&self) -> Result<Fit, Error> {
         let Minimum { at, linear, settled, .. } =
@@ -210,13 +191,14 @@ impl Problem<'_, '_> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
         let mut by = By::new();
+        let all: Vec<usize> = (0..self.runs.len()).collect();
         for known in &self.known {
+            let parameters = known.parameters.iter().map(|parameter| Unknown::Chain(*parameter, all.clone()));
+            let (_, derivatives) = self.with(parameters.collect()).linearise(state)?;
             // An error of what is known leaves the readings where they are: the unknowns take it up.
             let mut shifts = Mat::zeros(unknowns, known.parameters.len());
-            for (mut shift, derivative) in
-                shifts.col_iter_mut().zip(self.derivatives(state, &known.parameters)?)
-            {
-                let taken = self.taken_up(design, &linear, &derivative)?;
+            for (at, mut shift) in shifts.col_iter_mut().enumerate() {
+                let taken = self.taken_up(design, &linear, derivatives.col_as_slice(at))?;
                 shift.copy_from(-ColRef::from_slice(&taken));
             }
             common += &shifts * &known.covariance * shifts.transpose();
@@ -254,7 +236,8 @@ impl Problem<'_, '_> {
         for (number, run) in self.runs.iter().enumerate() {
             let from = residual.len();
             let at = run.sensor.index();
-            let k = state.basics[number].sensors[at].sensitivity;
+            let basic = &state.basics[number];
+            let k = basic.sensors[at].sensitivity;
             let chain: Vec<(usize, Parameter)> = self
                 .unknowns
                 .iter()
@@ -265,13 +248,15 @@ impl Problem<'_, '_> {
                 })
                 .collect();
             let parameters: Vec<Parameter> = chain.iter().map(|(_, parameter)| *parameter).collect();
-            let (prediction, derivatives) = self.predict(state, number, &parameters)?;
+            let (prediction, derivatives) =
+                physics::predict_with_jacobian(basic, &state.effects, &run.context, &parameters)
+                    .map_err(|error| error.at(&run.path))?;
             for row in &run.rows {
-                residual.push(k * (run.reading[*row] - prediction[*row]));
+                residual.push(k * (run.reading[*row] - prediction.readings[*row][at]));
             }
             for ((index, _), derivative) in chain.iter().zip(&derivatives) {
                 for (i, row) in run.rows.iter().enumerate() {
-                    design[(from + i, *index)] = k * derivative[*row];
+                    design[(from + i, *index)] = k * derivative.readings[*row][at];
                 }
             }
             for (index, unknown) in self.unknowns.iter().enumerate() {
@@ -290,25 +275,10 @@ impl Problem<'_, '_> {
     /// What a fit misses readings by that it did not see, nT: the rows of `runs`, which are those of the
     /// problem with other rows.
     pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>, Error> {
-        let mut state = self.first();
+        let state = self.first();
         let step: Vec<f64> =
             (0..self.unknowns.len()).map(|at| fit.values[at] - self.value(&state, at)).collect();
-        state = self.advance(&state, &step);
-        let mut missed = Vec::new();
-        for (number, run) in runs.iter().enumerate() {
-            let k = state.basics[number].sensors[run.sensor.index()].sensitivity;
-            let (prediction, _) = self.predict(&state, number, &[])?;
-            for row in &run.rows {
-                let columns =
-                    self.unknowns.iter().zip(&state.columns).map(|(unknown, coefficient)| match unknown {
-                        Unknown::Column(series) => {
-                            coefficient * series[number].get(*row).copied().unwrap_or(0.0)
-                        }
-                        Unknown::Chain(..) => 0.0,
-                    });
-                missed.push(k * (run.reading[*row] - prediction[*row]) - columns.sum::<f64>());
-            }
-        }
+        let (missed, _) = Problem { runs, ..self.clone() }.linearise(&self.advance(&state, &step))?;
         Ok(missed)
     }
 
@@ -327,37 +297,6 @@ impl Problem<'_, '_> {
             }
         }
         State { basics, effects: self.effects.clone(), columns: vec![0.0; self.unknowns.len()] }
-    }
-
-    /// Derivatives of the predicted field by further parameters, nT, over the used rows of all runs.
-    fn derivatives(&self, state: &State, parameters: &[Parameter]) -> Result<Vec<Vec<f64>>, Error> {
-        let mut all = vec![Vec::new(); parameters.len()];
-        for (number, run) in self.runs.iter().enumerate() {
-            let k = state.basics[number].sensors[run.sensor.index()].sensitivity;
-            let (_, derivatives) = self.predict(state, number, parameters)?;
-            for (column, derivative) in all.iter_mut().zip(&derivatives) {
-                column.extend(run.rows.iter().map(|row| k * derivative[*row]));
-            }
-        }
-        Ok(all)
-    }
-
-    fn predict(
-        &self,
-        state: &State,
-        number: usize,
-        parameters: &[Parameter],
-    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
-        let run = &self.runs[number];
-        let basic = &state.basics[number];
-        let (prediction, derivatives) =
-            physics::predict_with_jacobian(basic, &state.effects, &run.context, parameters)
-                .map_err(|error| error.at(&run.path))?;
-        let of = |series: &[nalgebra::Vector3<f64>]| series.iter().map(|v| v[run.sensor.index()]).collect();
-        Ok((
-            of(&prediction.readings),
-            derivatives.iter().map(|derivative| of(&derivative.readings)).collect(),
-        ))
     }
 
     fn advance(&self, state: &State, step: &[f64]) -> State {
@@ -382,6 +321,16 @@ impl Problem<'_, '_> {
             }
         }
         next
+    }
+
+    /// Which unknown a parameter of an effect is.
+    pub fn place(&self, kind: Kind, parameter: usize) -> Option<usize> {
+        self.unknowns.iter().position(|unknown| match unknown {
+            Unknown::Chain(Parameter::Effect(effect, number), _) => {
+                self.effects[*effect].kind == kind && *number == parameter
+            }
+            _ => false,
+        })
     }
 
     fn value(&self, state: &State, unknown: usize) -> f64 {

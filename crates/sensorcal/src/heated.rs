@@ -6,8 +6,8 @@ use faer::Mat;
 use physics::{Kind, Thermometer};
 
 use crate::Error;
-use crate::departure::visible_share;
-use crate::readings::Run;
+use crate::departure::{beside, visible_share};
+use crate::readings::{Run, span};
 
 /// A temperature that moves by less than this in a recording is held, K.
 const MOVED_K: f64 = 0.5;
@@ -17,30 +17,12 @@ const APART: f64 = 0.1;
 /// A part whose temperature moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Part {
-    /// The sensor.
     Sensor,
-    /// The electronics.
     Electronics,
 }
 
 impl Part {
-    /// Both.
     pub const ALL: [Part; 2] = [Part::Sensor, Part::Electronics];
-
-    /// Its name in documents.
-    pub fn name(self) -> &'static str {
-        match self {
-            Part::Sensor => "sensor",
-            Part::Electronics => "electronics",
-        }
-    }
-
-    fn thermometer(self) -> Thermometer {
-        match self {
-            Part::Sensor => Thermometer::Sensor,
-            Part::Electronics => Thermometer::Electronics,
-        }
-    }
 
     /// The effects on sensitivity and offset, at once and with a lag.
     pub fn kinds(self) -> [[Kind; 2]; 2] {
@@ -58,25 +40,20 @@ impl Part {
 
     /// Temperature less its reference in a run, K, by row.
     pub fn warmer(self, run: &Run<'_>) -> Result<Vec<f64>, Error> {
+        let thermometer = match self {
+            Part::Sensor => Thermometer::Sensor,
+            Part::Electronics => Thermometer::Electronics,
+        };
         let (column, reference) = run
             .context
-            .temperature(self.thermometer(), "a `temperature_run`")
+            .temperature(thermometer, "a `temperature_run`")
             .map_err(|error| error.at(&format!("{}.columns", run.path)))?;
         Ok(column.iter().map(|t| t - reference).collect())
-    }
-
-    /// The reference, degC.
-    pub fn reference(self, run: &Run<'_>) -> Option<f64> {
-        match self {
-            Part::Sensor => run.context.references.sensor_c,
-            Part::Electronics => run.context.references.electronics_c,
-        }
     }
 }
 
 /// The runs with the temperatures of each, and which moved.
 pub struct Heated<'a> {
-    /// The runs.
     pub runs: Vec<Run<'a>>,
     /// Temperature less reference of sensor and electronics for each run, K.
     pub warmer: Vec<[Vec<f64>; 2]>,
@@ -92,13 +69,9 @@ pub fn parts(
     findings: &mut Vec<String>,
 ) -> Result<Vec<Part>, Error> {
     let moved = |at: usize| {
-        runs.iter().zip(warmer).any(|(run, both)| {
-            let values = || run.rows.iter().map(|row| both[at][*row]);
-            values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min) > MOVED_K
-        })
+        runs.iter().zip(warmer).any(|(run, both)| span(run.rows.iter().map(|row| both[at][*row])) > MOVED_K)
     };
-    let parts: Vec<Part> =
-        Part::ALL.into_iter().enumerate().filter(|(at, _)| moved(*at)).map(|(_, p)| p).collect();
+    let parts: Vec<Part> = Part::ALL.into_iter().filter(|part| moved(*part as usize)).collect();
     if parts.is_empty() {
         return Err(Error::Unanswerable(format!(
             "sensor {sensor}: neither temperature varies by more than {MOVED_K} K in any `temperature_run`; a coefficient needs at least two temperatures, a curvature three"
@@ -117,9 +90,7 @@ pub fn parts(
             runs.iter().enumerate().flat_map(|(number, run)| vec![number; run.rows.len()]).collect();
         let share = |of: usize, other: usize| {
             let means = Mat::from_fn(rows, runs.len(), |i, j| f64::from(u8::from(number[i] == j)));
-            let with = Mat::from_fn(rows, runs.len() + 1, |i, j| {
-                if j < runs.len() { means[(i, j)] } else { columns[other][i] }
-            });
+            let with = beside(&means, &columns[other]);
             visible_share(&with, &columns[of]) / visible_share(&means, &columns[of])
         };
         let apart = share(0, 1).min(share(1, 0));
@@ -137,12 +108,11 @@ pub fn parts(
 /// How many temperatures there were, a kelvin apart: in all readings, or in those that show the sensitivity,
 /// with at least half the largest drive.
 pub fn distinct(heated: &Heated<'_>, part: Part, driven: bool) -> usize {
-    let at = usize::from(part == Part::Electronics);
     let of_run = |(run, both): (&Run<'_>, &[Vec<f64>; 2])| {
         let drive = |row: usize| run.context.current_a[row][run.coil.index()].abs();
         let largest = run.rows.iter().map(|row| drive(*row)).fold(0.0, f64::max);
         let rows = run.rows.iter().filter(|row| !driven || drive(**row) >= 0.5 * largest);
-        rows.map(|row| both[at][*row]).collect::<Vec<_>>()
+        rows.map(|row| both[part as usize][*row]).collect::<Vec<_>>()
     };
     let mut all: Vec<f64> = heated.runs.iter().zip(&heated.warmer).flat_map(of_run).collect();
     all.sort_by(f64::total_cmp);

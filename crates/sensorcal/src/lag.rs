@@ -2,7 +2,7 @@
 
 use common::Axis;
 use common::number::{bare, significant, uncertain};
-use common::uncertainty::{self, Block};
+use common::uncertainty::Block;
 use estimate::stats;
 use faer::Mat;
 use physics::{EffectInstance, Kind, Parameter};
@@ -13,6 +13,7 @@ use crate::conditions::Conditions;
 use crate::departure::FOUND_BELOW;
 use crate::fit::{Fit, Problem, Unknown};
 use crate::heated::{Heated, Part};
+use crate::readings::span;
 
 /// Lags that are tried, s.
 const TRIED_S: [f64; 13] =
@@ -26,9 +27,9 @@ const EXCLUDED: f64 = 3.84;
 
 /// The fit's problem, with a lag where the readings show one.
 pub struct Lagged<'p, 'b> {
-    /// It.
     pub problem: Problem<'p, 'b>,
-    words: Vec<(Part, String)>,
+    /// What the readings say about a lag of sensor and electronics.
+    pub words: [String; 2],
 }
 
 /// Tries lags for each part that moved, for sensitivity and offset.
@@ -37,40 +38,36 @@ pub fn look<'p, 'b>(
     heated: &Heated<'_>,
     sensor: Axis,
 ) -> Result<Lagged<'p, 'b>, Error> {
-    let mut lagged = Lagged { problem: problem.with(problem.unknowns.clone()), words: Vec::new() };
-    if !heated.parts.iter().any(|part| path_recorded(heated, *part)) {
-        lagged.words = heated.parts.iter().map(|part| (*part, UNSEEN.into())).collect();
+    let mut lagged = Lagged { problem: problem.clone(), words: Default::default() };
+    let (seen, unseen): (Vec<Part>, Vec<Part>) =
+        heated.parts.iter().partition(|part| path_recorded(heated, **part));
+    unseen.into_iter().for_each(|part| lagged.words[part as usize] = UNSEEN.into());
+    if seen.is_empty() {
         return Ok(lagged);
     }
     // Sums of squares are compared under one covariance.
     let single = problem.allowed.likeliest(&problem.solve()?.linear);
-    for part in &heated.parts {
-        if !path_recorded(heated, *part) {
-            lagged.words.push((*part, UNSEEN.into()));
-            continue;
-        }
+    for part in seen {
         let mut words = Vec::new();
         for (kinds, name) in part.kinds().into_iter().zip(["sensitivity", "offset"]) {
-            let alone = Problem { allowed: &single, ..lagged.problem.with(lagged.problem.unknowns.clone()) };
+            let alone = Problem { allowed: &single, ..lagged.problem.clone() };
             let (text, with) = one(&alone, kinds, sensor, name, 2.0 * heated.parts.len() as f64)?;
             words.push(text);
             if let Some(Problem { effects, unknowns, .. }) = with {
                 (lagged.problem.effects, lagged.problem.unknowns) = (effects, unknowns);
             }
         }
-        lagged.words.push((*part, words.join("; ")));
+        lagged.words[part as usize] = words.join("; ");
     }
     Ok(lagged)
 }
 
 /// Whether times are known and the temperature is followed on its way.
 fn path_recorded(heated: &Heated<'_>, part: Part) -> bool {
-    let at = usize::from(part == Part::Electronics);
     heated.runs.iter().zip(&heated.warmer).all(|(run, both)| {
-        let largest = both[at].iter().fold(f64::NEG_INFINITY, |m, t| m.max(*t));
-        let range = largest - both[at].iter().fold(f64::INFINITY, |m, t| m.min(*t));
-        let step = both[at].windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
-        run.context.times("").is_ok() && step <= PATH * range.max(2.0)
+        let warmer = &both[part as usize];
+        let step = warmer.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max);
+        run.context.times("").is_ok() && step <= PATH * span(warmer.iter().copied()).max(2.0)
     })
 }
 
@@ -103,7 +100,7 @@ fn one<'p, 'b>(
         let gain = (without.sum_of_squares() - fit.sum_of_squares()) / fit.linear.variance_factor;
         // One more parameter, found by a search.
         if gain > 0.0 && tries * stats::chi_squared_p(gain, 2.0) < FOUND_BELOW {
-            let place = unknown(&trial, kinds[1], 1);
+            let place = trial.place(kinds[1], 1);
             let lag = place.map_or((lag_s, f64::NAN), |at| (fit.values[at], fit.type_a(at)));
             let (lag, gain) = (uncertain(lag.0, lag.1), significant(gain, 3));
             let text = format!("{name} follows {lag} s late (χ² decreases by {gain})");
@@ -126,8 +123,8 @@ fn with_lag<'p, 'b>(
     lag_s: f64,
     free: bool,
 ) -> Option<Problem<'p, 'b>> {
-    let at = unknown(problem, kinds[0], 0)?;
-    let mut with = problem.with(problem.unknowns.clone());
+    let at = problem.place(kinds[0], 0)?;
+    let mut with = problem.clone();
     let runs: Vec<usize> = (0..problem.runs.len()).collect();
     let number = with.effects.len();
     with.effects.push(EffectInstance::new(kinds[1], Some(sensor), vec![0.0, lag_s]));
@@ -141,91 +138,30 @@ fn with_lag<'p, 'b>(
     Some(with)
 }
 
-/// Which unknown a parameter of an effect is.
-fn unknown(problem: &Problem<'_, '_>, kind: Kind, parameter: usize) -> Option<usize> {
-    problem.unknowns.iter().position(|unknown| match unknown {
-        Unknown::Chain(Parameter::Effect(effect, number), _) => {
-            problem.effects[*effect].kind == kind && *number == parameter
+/// The effects as they were fitted, and `effect.parameter` for every parameter of theirs.
+pub fn conditions(problem: &Problem<'_, '_>, fit: &Fit, sensor: Axis) -> (Conditions, Vec<String>) {
+    let mut effects = problem.effects.clone();
+    let (mut places, mut paths, mut order) = (Vec::new(), Vec::new(), Vec::new());
+    for effect in &mut effects {
+        for (number, info) in effect.kind.parameters().iter().enumerate() {
+            let place = problem.place(effect.kind, number);
+            effect.parameters[number] = place.map_or(0.0, |place| fit.values[place]);
+            places.push(place);
+            paths.push(adopt::path(effect.kind, sensor, info.name));
+            order.push(format!("{}.{}", effect.kind.name(), info.name));
         }
-        _ => false,
-    })
-}
-
-impl Lagged<'_, '_> {
-    /// Which unknown a parameter of an effect is.
-    pub fn index(&self, kind: Kind, parameter: usize) -> Option<usize> {
-        unknown(&self.problem, kind, parameter)
     }
-
-    /// Which unknown the linear coefficient is, of the effect at once or of the one with a lag.
-    pub fn linear(&self, kinds: [Kind; 2]) -> Option<usize> {
-        self.index(kinds[0], 0).or_else(|| self.index(kinds[1], 0))
-    }
-
-    /// What the readings say about a lag of a part.
-    pub fn words(&self, part: Part) -> String {
-        self.words.iter().filter(|(of, _)| *of == part).map(|(_, text)| text.as_str()).collect()
-    }
-
-    /// `effect.parameter` for every parameter of every effect.
-    pub fn names(&self) -> Vec<String> {
-        let effects = self.problem.effects.iter();
-        effects
-            .flat_map(|effect| {
-                let infos = effect.kind.parameters().iter();
-                infos.map(move |info| format!("{}.{}", effect.kind.name(), info.name))
-            })
-            .collect()
-    }
-
-    /// The effects as they were fitted.
-    pub fn conditions(&self, fit: &Fit, sensor: Axis) -> Conditions {
-        let places: Vec<Option<usize>> = self
-            .problem
-            .effects
-            .iter()
-            .enumerate()
-            .flat_map(|(effect, instance)| {
-                (0..instance.parameters.len()).map(move |number| Parameter::Effect(effect, number))
-            })
-            .map(|asked| {
-                self.problem.unknowns.iter().position(
-                    |unknown| matches!(unknown, Unknown::Chain(parameter, _) if *parameter == asked),
-                )
-            })
-            .collect();
-        let covariance = Mat::from_fn(places.len(), places.len(), |a, b| {
-            places[a].zip(places[b]).map_or(0.0, |(a, b)| fit.covariance(a, b))
-        });
-        let mut values = places.iter();
-        let effects = self.problem.effects.iter().map(|instance| {
-            let mut effect = instance.clone();
-            for value in &mut effect.parameters {
-                let place = values.next().copied().flatten();
-                *value = place.map_or(0.0, |place| fit.values[place]);
-            }
-            effect
-        });
-        let paths: Vec<String> = (self.problem.effects.iter())
-            .flat_map(|instance| {
-                let effect = adopt::one(instance.kind, sensor, Default::default());
-                let infos = instance.kind.parameters().iter();
-                infos.map(|info| uncertainty::effect(&effect, info.name)).collect::<Vec<_>>()
-            })
-            .collect();
-        let fitted: Vec<usize> = places.iter().copied().flatten().collect();
-        let block = Block {
-            name: format!("sensor {sensor}: scatter of the temperature runs"),
-            degrees_of_freedom: fit.noise.degrees_of_freedom,
-            parameters: paths
-                .iter()
-                .zip(&places)
-                .filter(|(_, place)| place.is_some())
-                .map(|(path, _)| path.clone())
-                .collect(),
-            covariance: fit.scatter_of(&fitted),
-            by: fit.by(&fitted),
-        };
-        Conditions { effects: effects.collect(), covariance, paths, block: Some(block) }
-    }
+    let covariance = Mat::from_fn(places.len(), places.len(), |a, b| {
+        places[a].zip(places[b]).map_or(0.0, |(a, b)| fit.covariance(a, b))
+    });
+    let (fitted, parameters): (Vec<usize>, Vec<String>) =
+        places.iter().zip(&paths).filter_map(|(place, path)| Some(((*place)?, path.clone()))).unzip();
+    let block = Block {
+        name: format!("sensor {sensor}: scatter of the temperature runs"),
+        degrees_of_freedom: fit.noise.degrees_of_freedom,
+        parameters,
+        covariance: fit.scatter_of(&fitted),
+        by: fit.by(&fitted),
+    };
+    (Conditions { effects, covariance, paths, block: Some(block) }, order)
 }

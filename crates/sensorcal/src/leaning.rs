@@ -11,7 +11,7 @@ use physics::{Parameter, frames::ARCSEC};
 use crate::Error;
 use crate::departure::visible_share;
 use crate::fit::{Fit, Unknown};
-use crate::readings::Run;
+use crate::readings::{Run, span};
 use crate::sides::Lean;
 
 /// A field across that moves by less than this share of the field along is none.
@@ -21,7 +21,6 @@ const ONE_SETTING: f64 = 3e-4;
 
 /// A lean towards a coil.
 pub struct Leaning {
-    /// The coil.
     pub coil: Axis,
     /// The runs in which it is the same.
     pub runs: Vec<usize>,
@@ -31,7 +30,6 @@ pub struct Leaning {
 pub struct Across {
     /// For each run, the coils across the sensor that change in it or, where it is held, in its group.
     pub coils: Vec<Vec<Axis>>,
-    /// The leans.
     pub leanings: Vec<Leaning>,
     /// Runs in which the field across is held.
     pub held: Vec<usize>,
@@ -148,9 +146,7 @@ fn values(runs: &[Run<'_>], of: &[usize], coil: Axis) -> Vec<f64> {
 
 /// By how much a coil's field changes over some runs, nT.
 fn size(runs: &[Run<'_>], of: &[usize], coil: Axis) -> f64 {
-    let values = values(runs, of, coil);
-    let span = |f: fn(f64, f64) -> f64, start| values.iter().copied().fold(start, f);
-    span(f64::max, f64::NEG_INFINITY) - span(f64::min, f64::INFINITY)
+    span(values(runs, of, coil).into_iter())
 }
 
 /// The coils across the sensor whose fields change over some runs, and not in proportion to another's: a lean

@@ -1,42 +1,30 @@
 //! k and O at each temperature or field across that was held, and their slopes as the report takes them.
 
-use common::{Axis, Quantity, TemperatureLevels};
+use common::{Quantity, TemperatureLevels};
 use faer::Mat;
 use indexmap::IndexMap;
-use physics::Parameter;
 use std::collections::HashSet;
 
 use crate::Error;
 use crate::departure::noise_called_for;
 use crate::fit::{self, Fit, Problem, Unknown};
 use crate::heated::{Heated, Part};
-use crate::readings::{FULL_NT, Run, along};
-use crate::shape::Shape;
+use crate::readings::{FULL_NT, Run, along, span};
+use crate::shape::{Place, Shape};
 
 /// Temperatures within this of each other are one level, K.
 const SAME_K: f64 = 0.5;
 /// Different fields along the sensor from which its polynomial can be fitted.
 const POLYNOMIAL_FROM: usize = 6;
 
-/// k and O of each run, and, where there are fields enough, the quadratic and cubic terms of the sensor.
-pub fn own_constants(runs: &[Run<'_>], sensor: Axis) -> Vec<Unknown> {
-    let mut unknowns = Vec::new();
-    for number in 0..runs.len() {
-        unknowns.push(Unknown::Chain(Parameter::Sensitivity(sensor), vec![number]));
-        unknowns.push(Unknown::Chain(Parameter::SensorOffset(sensor), vec![number]));
-    }
-    unknowns.extend(polynomial(runs));
-    unknowns
-}
-
-/// The quadratic and cubic terms of a sensor, one for all runs.
+/// The quadratic and cubic terms of a sensor, one for all runs; none where there are too few fields.
 pub fn polynomial(runs: &[Run<'_>]) -> Vec<Unknown> {
     let fields = |run: &Run<'_>| {
         let along = along(run);
         let mut fields: Vec<f64> = run.rows.iter().map(|row| along[*row]).collect();
         fields.sort_by(f64::total_cmp);
-        let span = fields.last().zip(fields.first()).map_or(0.0, |(last, first)| last - first);
-        1 + fields.windows(2).filter(|pair| pair[1] - pair[0] > 1e-3 * span).count()
+        let least = 1e-3 * span(fields.iter().copied());
+        1 + fields.windows(2).filter(|pair| pair[1] - pair[0] > least).count()
     };
     if !runs.iter().all(|run| fields(run) >= POLYNOMIAL_FROM) {
         return Vec::new();
@@ -46,18 +34,11 @@ pub fn polynomial(runs: &[Run<'_>]) -> Vec<Unknown> {
     vec![Unknown::Column(power(2)), Unknown::Column(power(3))]
 }
 
-/// Rows of one run in one condition.
+/// Temperatures that were held in one run while the field went through its steps.
 pub struct Level {
-    /// The run.
     pub run: usize,
     /// Mean of sensor and electronics temperature less their references, K.
     pub warmer: [f64; 2],
-    /// Which way the moving temperature had gone.
-    pub branch: i8,
-    /// k and its standard uncertainty.
-    pub sensitivity: (f64, f64),
-    /// O and its standard uncertainty, nT.
-    pub offset: (f64, f64),
 }
 
 /// +½ after warming, −½ after cooling, 0 before either, by row.
@@ -76,11 +57,16 @@ pub fn branches(warmer: &[f64]) -> Vec<f64> {
         .collect()
 }
 
-/// k and O at each temperature that was held while the field went through its steps.
-pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<(Vec<Level>, Fit), Error> {
-    let mut groups = Vec::new();
+/// The temperatures that were held, the fit of k and O at each, and both as columns.
+pub fn at_temperatures(
+    heated: &Heated<'_>,
+    shape: &Shape,
+) -> Result<(Vec<Level>, Fit, TemperatureLevels), Error> {
+    let (mut levels, mut groups) = (Vec::new(), Vec::new());
+    let mut columns = TemperatureLevels::default();
     for (number, (run, both)) in heated.runs.iter().zip(&heated.warmer).enumerate() {
-        let moving = usize::from(spread(run, &both[1]) > spread(run, &both[0]));
+        let spread = |values: &[f64]| span(run.rows.iter().map(|row| values[*row]));
+        let moving = usize::from(spread(&both[1]) > spread(&both[0]));
         let branch = branches(&both[moving]);
         let mut held: Vec<Vec<usize>> = Vec::new();
         for row in &run.rows {
@@ -93,38 +79,30 @@ pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<(Vec<Level>
         }
         let field = along(run);
         let largest = run.rows.iter().map(|row| field[*row].abs()).fold(0.0, f64::max);
+        let references = run.context.references;
         for rows in held {
-            let span = |f: fn(f64, f64) -> f64, start| rows.iter().map(|row| field[*row]).fold(start, f);
             // A level has the field on both sides; readings while it settles have none.
-            if rows.len() < 3 || span(f64::max, f64::NEG_INFINITY) - span(f64::min, f64::INFINITY) < largest {
+            if rows.len() < 3 || span(rows.iter().map(|row| field[*row])) < largest {
                 continue;
             }
             let mean = |at: usize| rows.iter().map(|row| both[at][*row]).sum::<f64>() / rows.len() as f64;
-            let way = branch[rows[0]].signum();
-            groups.push((
-                number,
-                rows.clone(),
-                [mean(0), mean(1)],
-                if branch[rows[0]] == 0.0 { 0 } else { way as i8 },
-            ));
+            let warmer = [mean(0), mean(1)];
+            columns.recording.push(number);
+            columns.sensor_temperature_c.push(references.sensor_c.unwrap_or(0.0) + warmer[0]);
+            columns.electronics_temperature_c.push(references.electronics_c.unwrap_or(0.0) + warmer[1]);
+            columns.branch.push((2.0 * branch[rows[0]]) as i8);
+            levels.push(Level { run: number, warmer });
+            groups.push((number, rows));
         }
     }
-    let members: Vec<(usize, Vec<usize>)> =
-        groups.iter().map(|(run, rows, ..)| (*run, rows.clone())).collect();
-    let (constants, fit) = constants(&heated.runs, &members, shape)?;
-    let levels = groups.into_iter().zip(constants).map(|((run, _, warmer, branch), (k, o))| Level {
-        run,
-        warmer,
-        branch,
-        sensitivity: k,
-        offset: o,
-    });
-    Ok((levels.collect(), fit))
-}
-
-fn spread(run: &Run<'_>, values: &[f64]) -> f64 {
-    let of = || run.rows.iter().map(|row| values[*row]);
-    of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min)
+    let (constants, fit) = constants(&heated.runs, &groups, shape)?;
+    for (k, offset) in constants {
+        columns.sensitivity.push(k.0);
+        columns.sensitivity_std.push(k.1);
+        columns.offset_nt.push(offset.0);
+        columns.offset_std_nt.push(offset.1);
+    }
+    Ok((levels, fit, columns))
 }
 
 /// k and O, each with its standard uncertainty.
@@ -157,16 +135,13 @@ pub fn constants(
 ) -> Result<(Vec<Constants>, Fit), Error> {
     let mut reduced: Vec<Run<'_>> = runs.to_vec();
     for (number, run) in reduced.iter_mut().enumerate() {
-        let grouped: HashSet<usize> = groups
-            .iter()
-            .filter(|(of, _)| *of == number)
-            .flat_map(|(_, rows)| rows.iter().copied())
-            .collect();
+        let own = groups.iter().filter(|(of, _)| *of == number);
+        let grouped: HashSet<usize> = own.flat_map(|(_, rows)| rows.iter().copied()).collect();
         run.rows.retain(|row| grouped.contains(row));
     }
     let mut unknowns = lines(runs, groups);
     unknowns.extend(polynomial(runs));
-    let allowed = fit::noise(&reduced, shape)?;
+    let allowed = fit::noise(&reduced, shape, Place::Coils)?;
     let problem =
         Problem { runs: &reduced, effects: Vec::new(), unknowns, known: Vec::new(), allowed: &allowed };
     let allowed = noise_called_for(&problem, &[])?;
@@ -185,31 +160,14 @@ fn constant(fit: &Fit, at: usize, run: &Run<'_>) -> Constants {
     ((k, k * b_std / (1.0 + b)), ((first.offset_nt - a) / (1.0 + b), a_std))
 }
 
-/// The levels as columns.
-pub fn columns(levels: &[Level], heated: &Heated<'_>) -> TemperatureLevels {
-    let mut columns = TemperatureLevels::default();
-    for level in levels {
-        let references = heated.runs[level.run].context.references;
-        columns.recording.push(level.run);
-        columns.sensor_temperature_c.push(references.sensor_c.unwrap_or(0.0) + level.warmer[0]);
-        columns.electronics_temperature_c.push(references.electronics_c.unwrap_or(0.0) + level.warmer[1]);
-        columns.branch.push(level.branch);
-        columns.sensitivity.push(level.sensitivity.0);
-        columns.sensitivity_std.push(level.sensitivity.1);
-        columns.offset_nt.push(level.offset.0);
-        columns.offset_std_nt.push(level.offset.1);
-    }
-    columns
-}
-
 /// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on
 /// either side of it, in the runs in which the part moved; ppm/K and nT/K of the field that is read. `fit` is
 /// that of the levels.
 pub fn three_point(levels: &[Level], fit: &Fit, part: Part) -> IndexMap<String, Quantity> {
-    let at = usize::from(part == Part::Electronics);
+    let at = part as usize;
     let moved = |run: usize| {
-        let of = || levels.iter().filter(move |level| level.run == run).map(|level| level.warmer[at]);
-        of().fold(f64::NEG_INFINITY, f64::max) - of().fold(f64::INFINITY, f64::min) > SAME_K
+        let own = levels.iter().filter(|level| level.run == run);
+        span(own.map(|level| level.warmer[at])) > SAME_K
     };
     let members: Vec<usize> = (0..levels.len()).filter(|number| moved(levels[*number].run)).collect();
     let nearest = |sign: f64| {

@@ -48,14 +48,14 @@ mod words;
 pub use common::Error;
 pub use words::summary;
 
-use common::uncertainty::{self, Block};
+use common::uncertainty;
 use common::{Axis, Document, Quantity, SensorCalibration, Uncertainty, procedure};
 use faer::Mat;
-use physics::{EffectInstance, References, Unit};
+use physics::{References, Unit};
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
-use crate::passes::LeftOut;
+use crate::cross_field::AcrossFindings;
 use crate::reversal::Turned;
 use crate::sensitivity::Constants;
 use crate::shape::Shape;
@@ -82,7 +82,7 @@ impl Default for Options {
 }
 
 /// The procedures that are read here.
-const MINE: [&str; 6] = [
+pub const PROCEDURES: [&str; 6] = [
     procedure::SENSOR_SENSITIVITY,
     procedure::SENSOR_OFFSET_REVERSAL,
     procedure::SENSOR_NOISE,
@@ -96,14 +96,8 @@ struct SensorFindings {
     calibration: SensorCalibration,
     conditions: Conditions,
     constants: Option<Constants>,
-    /// The offset by reversals, by what its uncertainty comes from.
     turned: Option<Turned>,
-    /// The parameters of fields across as they were estimated.
-    across: Option<Block>,
-    /// Standard deviation of those that were not seen, for each of their effects, nT.
-    likely: [f64; 2],
-    /// Readings with fields across that were left out of a fit.
-    left_out: Vec<LeftOut>,
+    across: Option<AcrossFindings>,
 }
 
 /// Where no recording is for this stage.
@@ -112,7 +106,7 @@ const NOTHING: &str = "no recording with the procedure `sensor_sensitivity`, `se
 /// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to
 /// `model.effects`; a sensor without a recording of a kind keeps what the document says of it.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    if !document.recordings.iter().any(|recording| MINE.contains(&recording.procedure.as_str())) {
+    if !document.recordings.iter().any(|recording| PROCEDURES.contains(&recording.procedure.as_str())) {
         return Err(Error::Request(NOTHING.into()));
     }
     let sides = Sides::of(&document, options.axes_std_deg);
@@ -127,32 +121,24 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
             continue;
         }
         if let Some(reversal) = &mut found.calibration.reversal {
-            let others =
-                Axis::ALL.into_iter().filter(|axis| *axis != sensor).filter_map(|a| shield[a.index()]);
-            let across: Vec<f64> = others.collect();
-            let across_nt = (across.len() == 2).then(|| across[0].hypot(across[1]));
-            let turn = reversal::Turn { angle_deg: options.turn_deg, across_nt };
-            reversal.imperfect_turn = reversal::imperfect(&reversal.recordings, turn);
+            let [one, other] = [1, 2].map(|step| shield[(sensor.index() + step) % 3]);
+            let across_nt = one.zip(other).map(|(one, other)| one.hypot(other));
+            reversal.imperfect_turn = reversal::imperfect(&reversal.recordings, options.turn_deg, across_nt);
         }
         adopt::adopt(&mut document, sensor, &found);
         if let Some(block) = found.conditions.block.take() {
             joint.put(block).map_err(Error::Unanswerable)?;
         }
-        if let Some(block) = found.across.take().filter(|_| adopt::across_matters(&found.calibration)) {
-            joint.put(block).map_err(Error::Unanswerable)?;
+        if let Some(across) = found.across.take().filter(|_| adopt::across_matters(&found.calibration)) {
+            joint.put(across.block).map_err(Error::Unanswerable)?;
         }
         let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();
         let entry = sensors.entry(sensor).get_or_insert_default();
-        let seen = combine::Seen {
-            constants: found.constants.as_ref(),
-            turned: found.turned.as_ref(),
-            conditions: &found.conditions,
-        };
-        combine::into(entry, found.calibration, &seen, (sensor, &mut joint))?;
-        let terms = budget::Terms { constants: found.constants.as_ref(), conditions: &found.conditions };
-        let budget = budget::budget(entry, &terms, options);
-        if !budget.is_empty() {
-            entry.budget = budget;
+        let (constants, conditions) = (found.constants.as_ref(), &found.conditions);
+        let offsets = (constants, found.turned.as_ref());
+        combine::into(entry, found.calibration, offsets, conditions, (sensor, &mut joint))?;
+        if let Some(constants) = constants {
+            entry.budget = budget::budget(entry, constants, conditions, options);
         }
     }
     physics::state_references(&mut document, &references);
@@ -171,7 +157,8 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
 
 /// Scores the correction for fields across in two passes where all three sensors were read.
 fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -> Result<(), Error> {
-    if found.iter().all(|found| found.left_out.is_empty()) {
+    let mut across = found.iter().filter_map(|found| found.across.as_ref());
+    if across.all(|across| across.left_out.is_empty()) {
         return Ok(());
     }
     let mu = sides.solve(&[])?.mu;
@@ -190,7 +177,8 @@ fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -
             )
         });
         let of = &mut found[sensor.index()];
-        let passes = passes::score(document, sensor, &of.left_out, (&sensors, &mu))?;
+        let Some(across) = &of.across else { continue };
+        let passes = passes::score(document, sensor, &across.left_out, (&sensors, &mu))?;
         let held_out = of.calibration.cross_field.as_mut().and_then(|fit| fit.held_out.as_mut());
         if let (Some([first, second]), Some(held_out)) = (passes, held_out) {
             (held_out.first_pass_nt, held_out.second_pass_nt) = (Some(first), Some(second));
@@ -234,11 +222,8 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFinding
     };
     let (reversal, turned) = reversal::offset(document, sensor, &k, &shape, &conditions)?.unzip();
     let drift = drift::drift(document, sensor, &k, &shape, &conditions)?;
-    let across = cross_field::coefficients(document, sensor, &shape, &conditions, sides)?;
-    let (cross_field, across, likely, left_out) = match across {
-        Some(found) => (Some(found.fit), Some(found.block), found.likely, found.left_out),
-        None => (None, None, [0.0; 2], Vec::new()),
-    };
+    let (cross_field, across) =
+        cross_field::coefficients(document, sensor, &shape, &conditions, sides)?.unzip();
     let calibration = SensorCalibration {
         sensitivity: constants.as_ref().map(|found| Box::new(found.fit.clone())),
         reversal: reversal.map(Box::new),
@@ -248,7 +233,7 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFinding
         cross_field: cross_field.map(Box::new),
         ..SensorCalibration::default()
     };
-    Ok(SensorFindings { calibration, conditions, constants, turned, across, likely, left_out })
+    Ok(SensorFindings { calibration, conditions, constants, turned, across })
 }
 
 /// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through
@@ -284,7 +269,6 @@ fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
             variances.push(std * std);
             conditions.paths.push(uncertainty::effect(stated, info.name));
         }
-        let instance: EffectInstance = instance;
         conditions.effects.push(instance);
     }
     let count = variances.len();

@@ -1,24 +1,13 @@
 //! `sensorcal`: each sensor by itself.
 
 use clap::Parser;
-use common::procedure;
 use program::pipe::{self, Program, StageIo};
 use program::{manual, number};
 use sensorcal::Options;
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program {
-    name: "sensorcal",
-    version: env!("CARGO_PKG_VERSION"),
-    takes: &[
-        procedure::SENSOR_SENSITIVITY,
-        procedure::SENSOR_OFFSET_REVERSAL,
-        procedure::SENSOR_NOISE,
-        procedure::OFFSET_DRIFT,
-        procedure::TEMPERATURE_RUN,
-        procedure::CROSS_FIELD,
-    ],
-};
+const PROGRAM: Program =
+    Program { name: "sensorcal", version: env!("CARGO_PKG_VERSION"), takes: &sensorcal::PROCEDURES };
 
 /// Find sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty
 #[derive(Parser)]
@@ -52,13 +41,10 @@ fn main() -> ExitCode {
 fn run(cli: Cli) -> anyhow::Result<()> {
     let mut arguments =
         vec![format!("--turn-deg={}", cli.turn_deg), format!("--axes-std-deg={}", cli.axes_std_deg)];
-    let list = |values: &[f64]| values.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-    for (name, values) in
-        [("--budget-field-nt", &cli.budget_field_nt), ("--budget-warmer-k", &cli.budget_warmer_k)]
-    {
-        if !values.is_empty() {
-            arguments.push(format!("{name}={}", list(values)));
-        }
+    let lists = [("--budget-field-nt", &cli.budget_field_nt), ("--budget-warmer-k", &cli.budget_warmer_k)];
+    for (name, values) in lists.into_iter().filter(|(_, values)| !values.is_empty()) {
+        let values: Vec<String> = values.iter().map(f64::to_string).collect();
+        arguments.push(format!("{name}={}", values.join(",")));
     }
     let options = Options {
         turn_deg: cli.turn_deg,

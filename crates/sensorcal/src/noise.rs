@@ -2,8 +2,8 @@
 
 use common::number::{bare, counted, p_value, significant};
 use common::{
-    AllanDeviation, Axis, BandRms, Document, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording,
-    SensorNoise, SpectralLine, procedure, series,
+    Axis, BandRms, Document, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording, SensorNoise,
+    SpectralLine, procedure, series,
 };
 use estimate::even::evened;
 use estimate::periodogram::{Periodogram, periodogram};
@@ -32,7 +32,6 @@ const ORDER: [&str; 3] = ["flicker_nt2_per_hz_at_1hz", "flicker_exponent", "seri
 /// Steepest noise that a covariance is made for.
 const STEEPEST: f64 = 2.0;
 
-/// One series of the sensor.
 struct Series<'a> {
     recording: &'a Recording,
     step_s: f64,
@@ -146,7 +145,6 @@ fn quantity(estimate: Estimate) -> Quantity {
 }
 
 fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
-    let flicker = fit.amplitude.value > 0.0;
     let mut found = SensorNoise {
         series: all.iter().zip(&fit.white_rms).map(|(one, white)| series_result(one, *white, fit)).collect(),
         flicker_nt2_per_hz_at_1hz: quantity(fit.amplitude),
@@ -161,7 +159,6 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
         .into(),
         goodness_p: fit.goodness.unwrap_or(1.0),
         spectrum: merged(all),
-        allan: allan_columns(all),
         ..SensorNoise::default()
     };
     (found.white_rms_nt, found.white_below_nt) = white(all, fit);
@@ -171,7 +168,7 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
     }
     let slowest = 1.0 / all.iter().map(|one| one.periodogram.length_s).fold(0.0, f64::max);
     let fastest = 0.5 / all.iter().map(|one| one.step_s).fold(f64::INFINITY, f64::min);
-    if flicker {
+    if fit.amplitude.value > 0.0 {
         let mut low = 10f64.powf(slowest.log10().floor());
         let mut bands = vec![[slowest, fastest]];
         while low * 1e3 <= fastest * 1.001 {
@@ -184,7 +181,10 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
         found.bands =
             bands.into_iter().map(|band| BandRms { band_hz: band, flicker_rms_nt: rms(band) }).collect();
     }
-    for one in all {
+    for (number, one) in all.iter().enumerate() {
+        for point in &one.allan {
+            found.allan.push(number, point.averaging_s, point.deviation, point.band(0.95));
+        }
         for line in &one.periodogram.lines {
             found.lines.push(SpectralLine {
                 recording: one.recording.id.clone(),
@@ -285,61 +285,44 @@ fn merged(all: &[Series<'_>]) -> MergedSpectrum {
         let end = all.get(number + 1).map_or(nyquist, |next| first(next).clamp(TRUSTED * nyquist, nyquist));
         let inside =
             one.periodogram.bins.iter().filter(|bin| bin.frequency_hz > reached && bin.frequency_hz <= end);
-        let mut open: Option<(i64, f64, f64, f64)> = None;
-        let mut close = |open: Option<(i64, f64, f64, f64)>| {
-            let Some((_, power, frequency, count)) = open else { return };
+        // Number, and sums of power, frequency and count.
+        let mut wider: Vec<(i64, f64, f64, f64)> = Vec::new();
+        for bin in inside {
+            let at = (bin.frequency_hz.log10() * BINS).floor() as i64;
+            let (power, frequency) = (bin.density * bin.count, bin.frequency_hz * bin.count);
+            match wider.last_mut() {
+                Some(open) if open.0 == at || open.3 < LEAST_COUNT => {
+                    *open = (at, open.1 + power, open.2 + frequency, open.3 + bin.count);
+                }
+                _ => wider.push((at, power, frequency, bin.count)),
+            }
+        }
+        for (_, power, frequency, count) in wider {
             let density = power / count;
             let (low, high) = stats::variance_interval(2.0 * count, 0.95);
             spectrum.frequency_hz.push(frequency / count);
             spectrum.density_nt2_per_hz.push(density);
             spectrum.low_nt2_per_hz.push(density * low);
             spectrum.high_nt2_per_hz.push(density * high);
-        };
-        for bin in inside {
-            let at = (bin.frequency_hz.log10() * BINS).floor() as i64;
-            let (power, frequency) = (bin.density * bin.count, bin.frequency_hz * bin.count);
-            open = match open {
-                Some((number, p, f, count)) if number == at || count < LEAST_COUNT => {
-                    Some((at, p + power, f + frequency, count + bin.count))
-                }
-                other => {
-                    close(other);
-                    Some((at, power, frequency, bin.count))
-                }
-            };
         }
-        close(open);
         reached = end;
     }
     spectrum
 }
 
-fn allan_columns(all: &[Series<'_>]) -> AllanDeviation {
-    let mut columns = AllanDeviation::default();
-    for (number, one) in all.iter().enumerate() {
-        for point in &one.allan {
-            columns.push(number, point.averaging_s, point.deviation, point.band(0.95));
-        }
-    }
-    columns
-}
-
 fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
     let mut findings = Vec::new();
     for series in found.series.iter().filter(|series| series.measured != "sensor") {
-        let more = series.amplification_needed.map_or_else(
-            || {
-                "; amplify before the converter until the readings scatter over several quantisation steps"
-                    .to_string()
-            },
-            |gain| format!("; amplify at least {} times more before the converter", significant(gain, 2)),
-        );
+        let more = match series.amplification_needed {
+            Some(gain) => format!("at least {} times more before the converter", significant(gain, 2)),
+            None => "before the converter until the readings scatter over several quantisation steps".into(),
+        };
         let what = match series.measured.as_str() {
             "both" => "that of sensor and quantiser together",
             _ => "that of the quantiser, not of the sensor",
         };
         findings.push(format!(
-            "recording \"{}\": quantisation step {} nT; the noise measured at its highest frequencies is {what}{more}",
+            "recording \"{}\": quantisation step {} nT; the noise measured at its highest frequencies is {what}; amplify {more}",
             series.recording,
             significant(series.code_nt.unwrap_or(0.0), 3)
         ));

@@ -23,7 +23,6 @@ const FOLDS: usize = 3;
 pub struct LeftOut {
     /// Number of its run.
     pub run: usize,
-    /// Its row.
     pub row: usize,
     /// What the fit misses it by without any effect of fields across, nT; constants and leans are those found
     /// with them.
@@ -57,15 +56,10 @@ pub fn left_out(
             part
         };
         let (kept, asked) = (part(false), part(true));
-        let allowed = fit::noise_in(&kept, shape, place_of)?;
+        let allowed = fit::noise(&kept, shape, place_of)?;
+        let reduced = Problem { runs: &kept, known: Vec::new(), allowed: &allowed, ..problem.clone() };
         for (which, unknowns) in [&problem.unknowns[..first], &problem.unknowns[..]].into_iter().enumerate() {
-            let reduced = Problem {
-                runs: &kept,
-                effects: problem.effects.clone(),
-                unknowns: unknowns.to_vec(),
-                known: Vec::new(),
-                allowed: &allowed,
-            };
+            let reduced = reduced.with(unknowns.to_vec());
             let Ok(fit) = reduced.solve() else { return Ok(None) };
             if fit.linear.rank < unknowns.len() {
                 return Ok(None);

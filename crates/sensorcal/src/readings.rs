@@ -26,11 +26,9 @@ const SHARED: usize = 2;
 /// One recording of one sensor that was turned along a coil.
 #[derive(Clone)]
 pub struct Run<'a> {
-    /// The recording as the chain sees it.
     pub context: Context<'a>,
     /// Where it stands in the document.
     pub path: String,
-    /// The sensor.
     pub sensor: Axis,
     /// The coil along which it was turned.
     pub coil: Axis,
@@ -206,11 +204,9 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     }
     if line.vv <= 1e-12 * line.mean.1 * line.mean.1 {
         let found = format!("the constant reading {}", bare(line.mean.1));
-        let span = points.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max)
-            - points.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
         let expected = format!(
             "readings that follow the {} nT by which the field changes; was the sensor connected?",
-            significant(span, 4)
+            significant(span(points.iter().map(|point| point.0)), 4)
         );
         return Err(Error::document(column, found, expected));
     }
@@ -228,11 +224,8 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     }
     let sensitivity = line.bb / line.bv;
     let stated = run.basic.sensors[sensor.index()].sensitivity;
-    let known = document
-        .calibration
-        .as_ref()
-        .and_then(|c| c.sensor(sensor))
-        .is_some_and(|s| physics::sensitivity(s, unit).is_some());
+    let calibrated = document.calibration.as_ref().and_then(|calibration| calibration.sensor(sensor));
+    let known = calibrated.is_some_and(|calibrated| physics::sensitivity(calibrated, unit).is_some());
     let nominal = document.instrument.as_ref().is_some_and(|i| i.nominal_sensitivity_nt_per_v.is_some());
     let compared = known || unit == Unit::Nanotesla || nominal;
     let ratio = sensitivity / stated;
@@ -300,8 +293,13 @@ pub fn code(readings: &[f64]) -> Option<f64> {
 
 /// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for
 /// codes.
-pub fn code_width(document: &Document, run: &Run<'_>) -> Option<f64> {
-    run.context.unit.code_width(document.instrument.as_ref())
+pub fn code_width(document: &Document, run: &Run<'_>) -> f64 {
+    run.context.unit.code_width(document.instrument.as_ref()).unwrap_or(0.0)
+}
+
+/// The largest of some values less the smallest.
+pub fn span(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
 }
 
 /// Applied field along the sensor, nT, with its sign as the sensor stands, by row.

@@ -23,16 +23,7 @@ const OUTLIER_BELOW: f64 = 1e-3;
 const DRIFT_FROM: usize = 8;
 
 /// Sensitivity by which readings become field: k and its standard uncertainty, in the unit of the readings.
-pub type Sensitivity<'a> = &'a dyn Fn(physics::Unit) -> Option<(f64, f64)>;
-
-/// What a turn that is not quite 180° is bounded with.
-#[derive(Clone, Copy, Debug)]
-pub struct Turn {
-    /// How far it may miss, deg.
-    pub angle_deg: f64,
-    /// Field across the sensor, nT, where it is known.
-    pub across_nt: Option<f64>,
-}
+pub type Sensitivity<'a> = &'a dyn Fn(Unit) -> Option<(f64, f64)>;
 
 /// The offset over all recordings, by what its uncertainty comes from.
 #[derive(Clone, Debug)]
@@ -68,17 +59,10 @@ pub fn offset(
     let mut outcomes = Vec::new();
     for (path, recording) in recordings(document, procedure::SENSOR_OFFSET_REVERSAL, sensor)? {
         let outcome = one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
-        let reversal = &outcome.reversal;
-        let out = reversal.pairs.used.iter().filter(|used| !**used).count();
-        if out > 0 {
-            let rows: Vec<String> = reversal
-                .pairs
-                .row
-                .iter()
-                .zip(&reversal.pairs.used)
-                .filter(|(_, used)| !**used)
-                .map(|(row, _)| row.to_string())
-                .collect();
+        let pairs = &outcome.reversal.pairs;
+        let out = pairs.row.iter().zip(&pairs.used).filter(|(_, used)| !**used);
+        let rows: Vec<String> = out.map(|(row, _)| row.to_string()).collect();
+        if !rows.is_empty() {
             found.findings.push(format!(
                 "recording \"{}\": the {} {} {} and left out",
                 recording.id,
@@ -87,7 +71,7 @@ pub fn offset(
                 plural(rows.len(), "is an outlier", "are outliers")
             ));
         }
-        found.recordings.push(reversal.clone());
+        found.recordings.push(outcome.reversal.clone());
         outcomes.push(outcome);
     }
     if outcomes.is_empty() {
@@ -112,7 +96,7 @@ fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<Str
         outcomes.iter().map(|outcome| weight(outcome) * of(outcome)).sum()
     };
     let by_temperature: Vec<f64> = (0..conditions.covariance.nrows()).map(by).collect();
-    let freedom: f64 = outcomes.iter().map(|outcome| outcome.reversal.noise.degrees_of_freedom).sum();
+    let freedom = outcomes.iter().map(|outcome| outcome.reversal.noise.degrees_of_freedom).sum();
     let mut scatter_nt2 = sum.recip();
     if outcomes.len() > 1 {
         // At other temperatures than the mean's, errors of the coefficients are part of a difference.
@@ -142,14 +126,14 @@ fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<Str
     }
 }
 
-/// The bound of a turn that is not quite 180°: for V₂ the sensor sees −B∥ cos ε + B⊥ sin ε in place of −B∥.
-pub fn imperfect(reversals: &[Reversal], turn: Turn) -> ImperfectTurn {
-    let angle = turn.angle_deg.to_radians();
+/// The bound of a turn that misses 180° by ε: for V₂ the sensor sees −B∥ cos ε + B⊥ sin ε in place of −B∥.
+pub fn imperfect(reversals: &[Reversal], angle_deg: f64, across_nt: Option<f64>) -> ImperfectTurn {
+    let angle = angle_deg.to_radians();
     let along = reversals.iter().map(|r| r.shield_field_nt.value().abs()).fold(0.0, f64::max);
-    let across = turn.across_nt.unwrap_or(0.0);
+    let across = across_nt.unwrap_or(0.0);
     ImperfectTurn {
-        angle_deg: turn.angle_deg,
-        field_across_nt: turn.across_nt,
+        angle_deg,
+        field_across_nt: across_nt,
         bound_nt: 0.5 * (along * (1.0 - angle.cos()) + across * angle.sin()),
         bound_per_nt_across: 0.5 * angle.sin(),
     }
@@ -157,7 +141,6 @@ pub fn imperfect(reversals: &[Reversal], turn: Turn) -> ImperfectTurn {
 
 /// What one recording gives.
 pub struct Outcome {
-    /// The result.
     pub reversal: Reversal,
     /// Variance of the offset from scatter, nT²; the rest is common to recordings.
     pub scatter_nt2: f64,

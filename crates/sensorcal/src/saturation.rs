@@ -4,7 +4,7 @@ use common::number::counted;
 use common::{Axis, Document, Saturation};
 
 use crate::Error;
-use crate::readings::{Run, along, code_width};
+use crate::readings::{Run, along, code_width, span};
 
 /// Readings within this share of the largest one stand still.
 const STILL: f64 = 1e-6;
@@ -23,7 +23,7 @@ pub fn take_out(
 ) -> Result<Option<Saturation>, Error> {
     let mut found = Saturation::default();
     for run in runs.iter_mut() {
-        let (field, code) = (along(run), code_width(document, run).unwrap_or(0.0));
+        let (field, code) = (along(run), code_width(document, run));
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
             let flat = flat(run, &field, sign, code);
             let Some(begin) = flat.iter().copied().min_by(|a, b| field[*a].abs().total_cmp(&field[*b].abs()))
@@ -56,8 +56,7 @@ fn flat(run: &Run<'_>, field: &[f64], sign: f64, code: f64) -> Vec<usize> {
     let rows: Vec<usize> = run.rows.iter().copied().filter(|row| reading(*row) >= extreme - still).collect();
     // The slope where the field is smaller says how far the readings should be apart.
     let Some(slope) = slope(run, field) else { return Vec::new() };
-    let fields = || rows.iter().map(|row| sign * field[*row]);
-    let apart = fields().fold(f64::NEG_INFINITY, f64::max) - fields().fold(f64::INFINITY, f64::min);
+    let apart = span(rows.iter().map(|row| sign * field[*row]));
     if rows.len() >= 2 && apart * slope > MISSED * still {
         return rows;
     }

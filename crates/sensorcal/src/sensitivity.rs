@@ -17,18 +17,17 @@ use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
 use crate::readings::{FULL_NT, Run, along, code_width, first_sensitivity, runs};
 use crate::saturation;
-use crate::shape::Shape;
+use crate::shape::{Place, Shape};
 
 /// Polynomials are tried up to this order.
 const ORDERS: usize = 5;
 
 /// Constants of a sensor as its coil shows them.
 pub struct Constants {
-    /// Unit of its readings.
     pub unit: Unit,
     /// k.
     pub sensitivity: f64,
-    /// O, nT.
+    /// O.
     pub offset_nt: f64,
     /// Covariance of k and O.
     pub covariance: [[f64; 2]; 2],
@@ -36,14 +35,13 @@ pub struct Constants {
     pub common: [[f64; 2]; 2],
     /// k, O and the nonlinearity as they were estimated.
     pub block: Block,
-    /// Derivatives of k and O by the parameters of the effects of temperature that were taken off, whose
-    /// errors are part of it.
+    /// Derivatives of k and O by the parameters of the effects of temperature, whose errors are part of it;
+    /// empty where they were not taken off.
     pub by_temperature: Vec<[f64; 2]>,
     /// Effects of the catalogue that were found, with their covariance.
     pub nonlinearity: Vec<(Kind, Quantity)>,
     /// Largest field that was applied, nT.
     pub largest_nt: f64,
-    /// How they were found.
     pub fit: SensitivityFit,
 }
 
@@ -60,8 +58,7 @@ pub fn calibrate(
     }
     let unit = runs[0].context.unit;
     let saturation = saturation::take_out(document, &mut runs, sensor)?;
-    let code_nt =
-        runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * first_sensitivity(&runs);
+    let code_nt = code_width(document, &runs[0]) * first_sensitivity(&runs);
     let shape = noise(code_nt);
     let all: Vec<usize> = (0..runs.len()).collect();
     let (effects, known) = conditions.effects_in(&runs);
@@ -69,7 +66,7 @@ pub fn calibrate(
     knowns.extend(known);
     let constants = [Parameter::Sensitivity(sensor), Parameter::SensorOffset(sensor)];
     let unknowns = constants.map(|parameter| Unknown::Chain(parameter, all.clone())).to_vec();
-    let allowed = fit::noise(&runs, &shape)?;
+    let allowed = fit::noise(&runs, &shape, Place::Coils)?;
     let candidates = candidates(&runs)?;
     let problem = Problem { runs: &runs, effects, unknowns, known: knowns, allowed: &allowed };
     let allowed = departure::noise_called_for(&problem, &candidates)?;
@@ -119,16 +116,21 @@ pub fn calibrate(
     let places = extended.found.iter().enumerate();
     let bent: Vec<(Kind, usize)> =
         places.filter_map(|(at, name)| Some((Kind::named(name)?, 2 + at))).collect();
-    let largest_nt = largest(&runs);
+    let fields = runs.iter().flat_map(|run| run.rows.iter().map(|row| run.applied_nt(*row).abs()));
+    let largest_nt = fields.fold(0.0, f64::max);
     result.findings = findings(&result, code_nt, conditions, &runs);
     result.findings.extend(apart);
+    let by_temperature = |path: &String| {
+        let moved = fit.by.iter().find(|(by, _)| by == path).map(|(_, moved)| moved);
+        moved.map(|moved| [moved[0], moved[1]])
+    };
     Ok(Some(Constants {
         unit,
         sensitivity: fit.values[0],
         offset_nt: fit.values[1],
         covariance: pair(&|i, j| fit.covariance(i, j)),
         common: pair(&|i, j| fit.common[(i, j)]),
-        by_temperature: by_temperature(fit, conditions),
+        by_temperature: conditions.paths.iter().filter_map(by_temperature).collect(),
         block: block(sensor, unit, fit, &bent),
         nonlinearity: bent.iter().map(|(kind, at)| (*kind, fit.quantity(*at))).collect(),
         largest_nt,
@@ -136,19 +138,9 @@ pub fn calibrate(
     }))
 }
 
-/// Derivatives of k and O by the parameters of the effects of temperature; empty where they were not taken
-/// off.
-fn by_temperature(fit: &Fit, conditions: &Conditions) -> Vec<[f64; 2]> {
-    let of = |path: &String| fit.by.iter().find(|(by, _)| by == path).map(|(_, moved)| [moved[0], moved[1]]);
-    conditions.paths.iter().filter_map(of).collect()
-}
-
 /// k, O and the nonlinearity, by the scatter of the readings and by what the fit rests on.
 fn block(sensor: Axis, unit: Unit, fit: &Fit, bent: &[(Kind, usize)]) -> Block {
-    let effects = bent.iter().map(|(kind, _)| {
-        let effect = adopt::one(*kind, sensor, Default::default());
-        uncertainty::effect(&effect, kind.parameters()[0].name)
-    });
+    let effects = bent.iter().map(|(kind, _)| adopt::path(*kind, sensor, kind.parameters()[0].name));
     let constants = [uncertainty::sensitivity(sensor, unit.suffix()), uncertainty::sensor_offset(sensor)];
     let parameters: Vec<String> = constants.into_iter().chain(effects).collect();
     let places: Vec<usize> = [0, 1].into_iter().chain(bent.iter().map(|(_, at)| *at)).collect();
@@ -197,11 +189,6 @@ pub fn sensitivity_key(unit: Unit) -> &'static str {
     }
 }
 
-fn largest(runs: &[Run<'_>]) -> f64 {
-    let fields = runs.iter().flat_map(|run| run.rows.iter().map(|row| run.applied_nt(*row).abs()));
-    fields.fold(0.0, f64::max)
-}
-
 /// +½ on the way up, −½ on the way down, by row.
 fn branches(field: &[f64]) -> Vec<f64> {
     let mut way = 0.0;
@@ -248,13 +235,12 @@ fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>, Error> {
 
 /// Polynomials from the line up, the last term of each tested beside the lower ones.
 fn orders(problem: &Problem<'_, '_>, line: &Fit) -> Result<Vec<PolynomialOrder>, Error> {
-    let rms = |fit: &Fit| fit.noise.rms_nt;
-    let last_p = |fit: &Fit| {
-        let last = fit.values.len() - 1;
-        stats::two_sided_p(fit.values[last] / fit.type_a(last), fit.linear.freedom)
+    let tested = |order: usize, fit: &Fit, last: usize| PolynomialOrder {
+        order,
+        rms_nt: fit.noise.rms_nt,
+        p_value: stats::two_sided_p(fit.values[last] / fit.type_a(last), fit.linear.freedom),
     };
-    let first = stats::two_sided_p(line.values[0] / line.type_a(0), line.linear.freedom);
-    let mut orders = vec![PolynomialOrder { order: 1, rms_nt: rms(line), p_value: first }];
+    let mut orders = vec![tested(1, line, 0)];
     let mut unknowns = problem.unknowns.clone();
     for order in 2..=ORDERS {
         let power = |run: &Run<'_>| along(run).iter().map(|b| (b / FULL_NT).powi(order as i32)).collect();
@@ -263,7 +249,7 @@ fn orders(problem: &Problem<'_, '_>, line: &Fit) -> Result<Vec<PolynomialOrder>,
         if fit.linear.rank < unknowns.len() || fit.linear.freedom < 2.0 {
             break;
         }
-        orders.push(PolynomialOrder { order, rms_nt: rms(&fit), p_value: last_p(&fit) });
+        orders.push(tested(order, &fit, order));
     }
     Ok(orders)
 }

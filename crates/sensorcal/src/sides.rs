@@ -49,9 +49,7 @@ pub struct Sides {
 
 /// The cosine between the directions of two coils, as a sensor along the one leans towards the other.
 pub struct Lean {
-    /// The coils.
     pub coils: [Axis; 2],
-    /// The cosine.
     pub cosine: f64,
     /// Its standard uncertainty.
     pub std: f64,
@@ -80,17 +78,13 @@ impl Sides {
             let stated = |part: &AxesDirections| part.std_arcsec.as_ref().and_then(|std| std.get(axis));
             part.map_or(axes_std_deg.to_radians(), |part| stated(part).unwrap_or(0.0) * ARCSEC).max(LEAST)
         };
-        let all = || (0..2).flat_map(|part| Axis::ALL.map(|axis| (part, axis)));
-        let directions: Vec<Vector3<f64>> = all()
-            .map(|(part, axis)| [&basic.eta, &basic.mu][part].column(axis.index()).normalize())
-            .collect();
-        let std: Vec<f64> = all()
-            .map(|(part, axis)| {
-                let parts =
-                    [axes.and_then(|axes| axes.coils.as_ref()), axes.and_then(|axes| axes.sensors.as_ref())];
-                given(parts[part], axis)
-            })
-            .collect();
+        let parts = [
+            (&basic.eta, axes.and_then(|axes| axes.coils.as_ref())),
+            (&basic.mu, axes.and_then(|axes| axes.sensors.as_ref())),
+        ];
+        let directions: [Vector3<f64>; 6] =
+            std::array::from_fn(|at| parts[at / 3].0.column(at % 3).normalize());
+        let std = std::array::from_fn(|at| given(parts[at / 3].1, Axis::ALL[at % 3]));
         // Their order in the document means nothing, to the last digit.
         let mut recordings: Vec<&Recording> = document.recordings.iter().collect();
         recordings.sort_by(|one, other| one.id.cmp(&other.id));
@@ -105,11 +99,7 @@ impl Sides {
             let sign = (rotation * directions[coil.index()]).dot(&directions[3 + sensor.index()]).signum();
             Some(Turned { sensor, coil, rotation, sign })
         });
-        Self {
-            turned: turned.collect(),
-            nominal: std::array::from_fn(|at| directions[at]),
-            std: std::array::from_fn(|at| std[at]),
-        }
+        Self { turned: turned.collect(), nominal: directions, std }
     }
 
     /// The likeliest directions, by Gauss-Newton steps in the tangents of the nominal ones. How well sensors

@@ -5,7 +5,7 @@ use common::{
     TemperatureOfPart, procedure,
 };
 use estimate::stats;
-use physics::{EffectInstance, Parameter};
+use physics::{EffectInstance, Kind, Parameter};
 
 use crate::Error;
 use crate::allowed::Allowed;
@@ -33,9 +33,10 @@ pub fn coefficients(
         .iter()
         .map(|run| Ok([Part::Sensor.warmer(run)?, Part::Electronics.warmer(run)?]))
         .collect::<Result<_, Error>>()?;
+    let references = runs[0].context.references;
     let mut found = TemperatureFit {
         recordings: runs.iter().map(|run| run.context.recording.id.clone()).collect(),
-        reference_c: Part::ALL.map(|part| part.reference(&runs[0])),
+        reference_c: [references.sensor_c, references.electronics_c],
         ..TemperatureFit::default()
     };
     let parts = parts(sensor, &runs, &warmer, &mut found.findings)?;
@@ -43,19 +44,17 @@ pub fn coefficients(
     if heated.parts.is_empty() {
         return Ok(Some((found, Conditions::none())));
     }
-    let k = heated.runs[0].basic.sensors[sensor.index()].sensitivity;
-    let code_nt = heated.runs.iter().find_map(|run| code_width(document, run)).unwrap_or(0.0) * k;
-    let shape = noise(code_nt);
-    let allowed = fit::noise(&heated.runs, &shape)?;
+    let first = &heated.runs[0];
+    let shape = noise(code_width(document, first) * first.basic.sensors[sensor.index()].sensitivity);
+    let allowed = fit::noise(&heated.runs, &shape, Place::Coils)?;
     let candidates = candidates(&heated);
-    let (effects, asked) = effects(&heated, sensor);
-    let problem = problem(document, &heated, effects, &asked, &allowed)?;
+    let problem = problem(document, &heated, &allowed)?;
     let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
     let lags = lag::look(&problem, &heated, sensor)?;
     // A lag that was found explains what noise of the field had to explain without it.
     let allowed = departure::noise_called_for(&lags.problem, &candidates)?;
-    let lagged = Problem { allowed: &allowed, ..lags.problem.with(lags.problem.unknowns.clone()) };
+    let lagged = Problem { allowed: &allowed, ..lags.problem.clone() };
     let first = lagged.solve()?;
     let effect = |at: &usize| matches!(lagged.unknowns[*at], Unknown::Chain(Parameter::Effect(..), _));
     let places: Vec<usize> = (0..lagged.unknowns.len()).filter(effect).collect();
@@ -63,10 +62,10 @@ pub fn coefficients(
     let mut extended = departure::extend(&Problem { allowed: &sized.allowed, ..lagged }, &candidates)?;
     let (degrees_of_freedom, coverage_factor_95) = sized.freedom(&extended.fit, &places)?;
     extended.fit.noise = FitNoise { degrees_of_freedom, coverage_factor_95, ..extended.fit.noise };
-    let (levels, each) = levels::at_temperatures(&heated, &shape)?;
+    let (levels, each, columns) = levels::at_temperatures(&heated, &shape)?;
     describe(&heated, &lags, &extended.fit, (&levels, &each), &mut found);
     found.departures = extended.departures;
-    found.levels = levels::columns(&levels, &heated);
+    found.levels = columns;
     found.noise = extended.fit.noise.clone();
     for name in &extended.found {
         let text = format!(
@@ -75,113 +74,87 @@ pub fn coefficients(
         );
         found.findings.push(text);
     }
-    let conditions = lags.conditions(&extended.fit, sensor);
+    let (conditions, order) = lag::conditions(&lags.problem, &extended.fit, sensor);
     found.covariance = common::covariance::rows(&conditions.covariance);
-    found.covariance_order = lags.names();
+    found.covariance_order = order;
     Ok(Some((found, conditions)))
 }
 
-/// Effects of the parts that moved, and which of their parameters are sought: a curvature from three
-/// temperatures on.
-fn effects(heated: &Heated<'_>, sensor: Axis) -> (Vec<EffectInstance>, Vec<Parameter>) {
-    let (mut effects, mut asked) = (Vec::new(), Vec::new());
+/// The effects of temperature, common to all runs, each run with its own k and O, and the polynomial of the
+/// sensor. Of the effects of the parts that moved, a curvature is sought from three temperatures on.
+fn problem<'p, 'b>(
+    document: &Document,
+    heated: &'p Heated<'b>,
+    allowed: &'p Allowed,
+) -> Result<Problem<'p, 'b>, Error> {
+    let sensor = heated.runs[0].sensor;
+    let all: Vec<usize> = (0..heated.runs.len()).collect();
+    let (mut effects, mut unknowns) = (Vec::new(), Vec::new());
     for part in &heated.parts {
         // The sensitivity first, then the offset.
         for (kinds, driven) in part.kinds().into_iter().zip([true, false]) {
             let at = effects.len();
             effects.push(EffectInstance::new(kinds[0], Some(sensor), vec![0.0; 2]));
-            asked.push(Parameter::Effect(at, 0));
+            unknowns.push(Unknown::Chain(Parameter::Effect(at, 0), all.clone()));
             if distinct(heated, *part, driven) > 2 {
-                asked.push(Parameter::Effect(at, 1));
+                unknowns.push(Unknown::Chain(Parameter::Effect(at, 1), all.clone()));
             }
         }
     }
-    (effects, asked)
-}
-
-/// Each run with its own k and O, the polynomial of the sensor, and the effects of temperature common to all.
-fn problem<'p, 'b>(
-    document: &Document,
-    heated: &'p Heated<'b>,
-    effects: Vec<EffectInstance>,
-    asked: &[Parameter],
-    allowed: &'p Allowed,
-) -> Result<Problem<'p, 'b>, Error> {
-    let sensor = heated.runs[0].sensor;
-    let mut unknowns: Vec<Unknown> =
-        asked.iter().map(|parameter| Unknown::Chain(*parameter, (0..heated.runs.len()).collect())).collect();
-    unknowns.extend(levels::own_constants(&heated.runs, sensor));
+    for run in all {
+        unknowns.push(Unknown::Chain(Parameter::Sensitivity(sensor), vec![run]));
+        unknowns.push(Unknown::Chain(Parameter::SensorOffset(sensor), vec![run]));
+    }
+    unknowns.extend(levels::polynomial(&heated.runs));
     let known = fit::coils(document, &heated.runs)?;
     Ok(Problem { runs: &heated.runs, effects, unknowns, known, allowed })
 }
 
-/// A series of a run and its temperatures.
-type Of<'f> = &'f dyn Fn(&Run<'_>, &[Vec<f64>; 2]) -> Vec<f64>;
+/// What the polynomials in temperature may leave out, by names in documents: offset and sensitivity with the
+/// cube of the temperature of sensor and of electronics, with the way that it had gone, and with the product of
+/// both temperatures.
+const CUBES: [[&str; 2]; 2] = [
+    ["sensor_offset_cubic", "sensor_sensitivity_cubic"],
+    ["electronics_offset_cubic", "electronics_sensitivity_cubic"],
+];
+const BRANCHES: [[&str; 2]; 2] = [
+    ["sensor_offset_branches", "sensor_sensitivity_branches"],
+    ["electronics_offset_branches", "electronics_sensitivity_branches"],
+];
+const PRODUCTS: [&str; 2] = ["offset_product", "sensitivity_product"];
 
-/// What the polynomials in temperature may leave out.
 fn candidates(heated: &Heated<'_>) -> Vec<Candidate> {
-    let series = |of: Of<'_>| -> Vec<Vec<f64>> {
-        heated.runs.iter().zip(&heated.warmer).map(|(run, both)| of(run, both)).collect()
-    };
-    let times_field = |run: &Run<'_>, column: Vec<f64>| -> Vec<f64> {
-        along(run).iter().zip(column).map(|(b, c)| b * c * 1e-6).collect()
-    };
     let mut all = Vec::new();
-    let names = [
-        [
-            "sensor_offset_cubic",
-            "sensor_sensitivity_cubic",
-            "sensor_offset_branches",
-            "sensor_sensitivity_branches",
-        ],
-        [
-            "electronics_offset_cubic",
-            "electronics_sensitivity_cubic",
-            "electronics_offset_branches",
-            "electronics_sensitivity_branches",
-        ],
-    ];
     for part in &heated.parts {
-        let at = usize::from(*part == Part::Electronics);
-        let cubic = |both: &[Vec<f64>; 2]| -> Vec<f64> { both[at].iter().map(|t| t.powi(3)).collect() };
-        let branch = |both: &[Vec<f64>; 2]| levels::branches(&both[at]);
-        let [offset_cubic, sensitivity_cubic, offset_branches, sensitivity_branches] = names[at];
-        all.extend([
-            Candidate {
-                name: offset_cubic,
-                parameter: "cubic_nt_per_k3",
-                column: series(&|_, both| cubic(both)),
-            },
-            Candidate {
-                name: sensitivity_cubic,
-                parameter: "cubic_ppm_per_k3",
-                column: series(&|run, both| times_field(run, cubic(both))),
-            },
-            Candidate {
-                name: offset_branches,
-                parameter: "warming_less_cooling_nt",
-                column: series(&|_, both| branch(both)),
-            },
-            Candidate {
-                name: sensitivity_branches,
-                parameter: "warming_less_cooling_ppm",
-                column: series(&|run, both| times_field(run, branch(both))),
-            },
-        ]);
+        let at = *part as usize;
+        let cubes = |both: &[Vec<f64>; 2]| both[at].iter().map(|t| t.powi(3)).collect();
+        all.extend(both_candidates(heated, CUBES[at], ["cubic_nt_per_k3", "cubic_ppm_per_k3"], cubes));
+        let parameters = ["warming_less_cooling_nt", "warming_less_cooling_ppm"];
+        let branches = |both: &[Vec<f64>; 2]| levels::branches(&both[at]);
+        all.extend(both_candidates(heated, BRANCHES[at], parameters, branches));
     }
-    let product =
-        |both: &[Vec<f64>; 2]| -> Vec<f64> { both[0].iter().zip(&both[1]).map(|(s, e)| s * e).collect() };
-    all.push(Candidate {
-        name: "offset_product",
-        parameter: "product_nt_per_k2",
-        column: series(&|_, both| product(both)),
-    });
-    all.push(Candidate {
-        name: "sensitivity_product",
-        parameter: "product_ppm_per_k2",
-        column: series(&|run, both| times_field(run, product(both))),
-    });
+    let product = |both: &[Vec<f64>; 2]| both[0].iter().zip(&both[1]).map(|(s, e)| s * e).collect();
+    all.extend(both_candidates(heated, PRODUCTS, ["product_nt_per_k2", "product_ppm_per_k2"], product));
     all
+}
+
+/// A function of the temperatures of sensor and electronics as part of the offset, nT, and of the sensitivity,
+/// ppm.
+fn both_candidates(
+    heated: &Heated<'_>,
+    names: [&'static str; 2],
+    parameters: [&'static str; 2],
+    of: impl Fn(&[Vec<f64>; 2]) -> Vec<f64>,
+) -> [Candidate; 2] {
+    let offset: Vec<Vec<f64>> = heated.warmer.iter().map(of).collect();
+    let times_field = |(run, column): (&Run<'_>, &Vec<f64>)| {
+        along(run).iter().zip(column).map(|(b, c)| b * c * 1e-6).collect::<Vec<f64>>()
+    };
+    let sensitivity = heated.runs.iter().zip(&offset).map(times_field).collect();
+    [
+        Candidate { name: names[0], parameter: parameters[0], column: offset },
+        Candidate { name: names[1], parameter: parameters[1], column: sensitivity },
+    ]
 }
 
 fn describe(
@@ -192,28 +165,29 @@ fn describe(
     found: &mut TemperatureFit,
 ) {
     for part in &heated.parts {
-        let at = usize::from(*part == Part::Electronics);
-        let values = || {
-            let each = heated.runs.iter().zip(&heated.warmer);
-            each.flat_map(|(run, both)| run.rows.iter().map(|row| both[at][*row]).collect::<Vec<_>>())
-        };
+        let at = *part as usize;
+        let runs = heated.runs.iter().zip(&heated.warmer);
+        let values = runs.flat_map(|(run, both)| run.rows.iter().map(move |row| both[at][*row]));
         let reference = found.reference_c[at].unwrap_or(0.0);
         let mut result = TemperatureOfPart {
             range_c: [
-                reference + values().fold(f64::INFINITY, f64::min),
-                reference + values().fold(f64::NEG_INFINITY, f64::max),
+                reference + values.clone().fold(f64::INFINITY, f64::min),
+                reference + values.fold(f64::NEG_INFINITY, f64::max),
             ],
             three_point: levels::three_point(levels, each, *part),
             ..TemperatureOfPart::default()
         };
         for (number, kinds) in part.kinds().into_iter().enumerate() {
-            let linear = lags.linear(kinds).map(|at| fit.quantity(at)).unwrap_or_default();
-            let curvature = lags.index(kinds[0], 1);
+            let place = |kind: Kind, parameter: usize| lags.problem.place(kind, parameter);
+            // At once, or with a lag.
+            let slope = place(kinds[0], 0).or_else(|| place(kinds[1], 0));
+            let linear = slope.map(|at| fit.quantity(at)).unwrap_or_default();
+            let curvature = place(kinds[0], 1);
             let quadratic = curvature.map(|at| fit.quantity(at));
             let p = curvature
                 .map(|at| stats::two_sided_p(fit.values[at] / fit.type_a(at), fit.noise.degrees_of_freedom));
-            let lag = lags.index(kinds[1], 1).map(|at| fit.quantity(at));
-            if let (Some(c), Some(q)) = (lags.linear(kinds), curvature)
+            let lag = place(kinds[1], 1).map(|at| fit.quantity(at));
+            if let (Some(c), Some(q)) = (slope, curvature)
                 && p.is_some_and(|p| p < FOUND_BELOW)
                 && lag.is_none()
             {
@@ -233,7 +207,7 @@ fn describe(
                 result.offset_curvature_p = p;
             }
         }
-        result.lag = lags.words(*part);
+        result.lag = lags.words[at].clone();
         match part {
             Part::Sensor => found.sensor = Some(result),
             Part::Electronics => found.electronics = Some(result),
@@ -255,15 +229,12 @@ fn extremum(fit: &Fit, c: usize, q: usize) -> (f64, f64) {
 /// Temperatures at which k or O of all sensors stand still, within the uncertainty of each.
 pub fn common_extrema(sensors: &PerAxis<SensorCalibration>) -> Vec<CommonExtremum> {
     let mut common = Vec::new();
-    for part in Part::ALL {
+    let fits: Vec<&TemperatureFit> =
+        sensors.iter().filter_map(|(_, sensor)| sensor.temperature.as_deref()).collect();
+    let of_sensor = fits.iter().filter_map(|fit| fit.sensor.as_ref()).collect::<Vec<_>>();
+    let of_electronics = fits.iter().filter_map(|fit| fit.electronics.as_ref()).collect();
+    for (part, parts) in [("sensor", of_sensor), ("electronics", of_electronics)] {
         for quantity in ["sensitivity", "offset"] {
-            let fits = sensors.iter().filter_map(|(_, sensor)| sensor.temperature.as_ref());
-            let parts: Vec<&TemperatureOfPart> = fits
-                .filter_map(|fit| match part {
-                    Part::Sensor => fit.sensor.as_ref(),
-                    Part::Electronics => fit.electronics.as_ref(),
-                })
-                .collect();
             let extrema: Vec<(f64, f64)> = parts
                 .iter()
                 .filter_map(|of| of.extrema_c.get(quantity))
@@ -278,7 +249,7 @@ pub fn common_extrema(sensors: &PerAxis<SensorCalibration>) -> Vec<CommonExtremu
             let p_value = stats::chi_squared_p(chi, extrema.len() as f64 - 1.0);
             if p_value >= FOUND_BELOW {
                 common.push(CommonExtremum {
-                    part: part.name().into(),
+                    part: part.into(),
                     quantity: quantity.into(),
                     temperature_c: Quantity::new(mean, sum.recip().sqrt()),
                     p_value,

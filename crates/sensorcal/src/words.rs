@@ -3,97 +3,78 @@
 use common::number::{bare, counted, figures, p_value, significant, uncertain};
 use common::{
     Axis, CrossFieldFit, Document, ErrorBudget, OffsetDrift, PerAxis, Quantity, SensorCalibration,
-    SensorNoise, TemperatureFit, TemperatureOfPart,
+    SensorNoise, TemperatureOfPart,
 };
-use std::fmt::Write;
 
 /// What was found of each sensor, with ± and units, and what looks wrong.
 pub fn summary(document: &Document) -> String {
-    let mut text = String::new();
     let calibration = document.calibration.as_ref();
     let sensors = calibration.and_then(|calibration| calibration.sensors.as_ref());
-    for (axis, sensor) in sensors.into_iter().flat_map(PerAxis::iter) {
-        of(&mut text, axis, sensor);
-    }
+    let mut lines: Vec<String> =
+        sensors.into_iter().flat_map(PerAxis::iter).flat_map(|(axis, sensor)| of(axis, sensor)).collect();
     for extremum in calibration.iter().flat_map(|calibration| &calibration.common_extrema) {
-        line(
-            &mut text,
-            &format!(
-                "{} of all sensors is stationary at {} degC of the {} ({}): a good operating temperature",
-                extremum.quantity,
-                extremum.temperature_c,
-                extremum.part,
-                p_value(extremum.p_value)
-            ),
+        lines.push(format!(
+            "{} of all sensors is stationary at {} degC of the {} ({}): a good operating temperature",
+            extremum.quantity,
+            extremum.temperature_c,
+            extremum.part,
+            p_value(extremum.p_value)
+        ));
+    }
+    if !lines.is_empty() {
+        lines.push(
+            "  ± is one standard uncertainty; multiply by coverage_factor_95 in the document for a 95 % interval"
+                .into(),
         );
     }
-    if !text.is_empty() {
-        line(
-            &mut text,
-            "  ± is one standard uncertainty; multiply by coverage_factor_95 in the document for a 95 % interval",
-        );
-    }
-    text
+    lines.into_iter().map(|line| line + "\n").collect()
 }
 
-// Writing to a String cannot fail.
-fn line(text: &mut String, what: &str) {
-    let _ = writeln!(text, "{what}");
-}
-
-fn of(text: &mut String, axis: Axis, sensor: &SensorCalibration) {
-    let volts = sensor.sensitivity_nt_per_v.as_ref().map(|k| (k, "nT/V"));
-    let k = volts.or(sensor.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nT/nT")));
-    let mut head = format!("sensorcal: sensor {axis}:");
-    if let Some((k, unit)) = k {
-        let _ = write!(head, " {k} {unit}");
-    }
-    if let Some(offset) = &sensor.offset_nt {
-        let _ = write!(head, ", offset {offset:+} nT");
-    }
-    if let Some(fit) = &sensor.sensitivity {
+fn of(axis: Axis, sensor: &SensorCalibration) -> Vec<String> {
+    let volts = sensor.sensitivity_nt_per_v.as_ref().map(|k| format!(" {k} nT/V"));
+    let k = volts.or(sensor.sensitivity_nt_per_nt.as_ref().map(|k| format!(" {k} nT/nT")));
+    let offset = sensor.offset_nt.as_ref().map(|offset| format!(", offset {offset:+} nT"));
+    let fit = sensor.sensitivity.as_ref().map(|fit| {
         let (readings, rms) = (counted(fit.readings, "reading"), significant(fit.noise.rms_nt, 3));
-        let _ = write!(head, "; {}, {readings}, rms {rms} nT", fit.model);
-    }
-    line(text, &head);
+        format!("; {}, {readings}, rms {rms} nT", fit.model)
+    });
+    let head = [k, offset, fit].into_iter().flatten().collect::<String>();
+    let mut lines = vec![format!("sensorcal: sensor {axis}:{head}")];
     let mut findings: Vec<&String> = sensor.sensitivity.iter().flat_map(|fit| &fit.findings).collect();
     if let Some(reversal) = &sensor.reversal {
         let pairs: usize = reversal.recordings.iter().map(|one| one.pairs.row.len()).sum();
         let turn = &reversal.imperfect_turn;
-        line(
-            text,
-            &format!(
-                "  reversals: offset {:+} nT from {}; an error of {}° in the turn would change it by at most {} nT",
-                reversal.offset_nt,
-                counted(pairs, "pair"),
-                bare(turn.angle_deg),
-                significant(turn.bound_nt, 2)
-            ),
-        );
+        lines.push(format!(
+            "  reversals: offset {:+} nT from {}; an error of {}° in the turn would change it by at most {} nT",
+            reversal.offset_nt,
+            counted(pairs, "pair"),
+            bare(turn.angle_deg),
+            significant(turn.bound_nt, 2)
+        ));
         findings.extend(&reversal.findings);
     }
     if let Some(noise) = &sensor.noise {
-        line(text, &noise_line(noise));
+        lines.push(noise_line(noise));
         findings.extend(&noise.findings);
     }
     if let Some(temperature) = &sensor.temperature {
-        temperature_lines(text, temperature);
+        let parts = [("sensor", &temperature.sensor), ("electronics", &temperature.electronics)];
+        lines.extend(parts.iter().filter_map(|(name, of)| Some(temperature_line(name, of.as_ref()?))));
         findings.extend(&temperature.findings);
     }
     if let Some(cross) = &sensor.cross_field {
-        line(text, &cross_line(cross));
+        lines.push(cross_line(cross));
         findings.extend(&cross.findings);
     }
     if let Some(drift) = &sensor.drift {
-        line(text, &drift_line(drift));
+        lines.push(drift_line(drift));
         findings.extend(&drift.findings);
     }
     if let Some(budget) = sensor.budget.iter().rev().find(|budget| budget.warmer_k == 0.0) {
-        line(text, &budget_line(budget));
+        lines.push(budget_line(budget));
     }
-    for finding in findings {
-        line(text, &format!("    {finding}"));
-    }
+    lines.extend(findings.into_iter().map(|finding| format!("    {finding}")));
+    lines
 }
 
 fn noise_line(noise: &SensorNoise) -> String {
@@ -116,30 +97,19 @@ fn noise_line(noise: &SensorNoise) -> String {
     format!("  noise: {flicker}; {white}{band}")
 }
 
-fn temperature_lines(text: &mut String, fit: &TemperatureFit) {
-    let mut part = |name: &str, of: &TemperatureOfPart| {
-        line(
-            text,
-            &format!(
-                "  {name} from {} to {} degC: the measured field changes by {:+} ppm/K{}, and by {:+} nT/K{}",
-                significant(of.range_c[0], 3),
-                significant(of.range_c[1], 3),
-                of.sensitivity_ppm_per_k,
-                curvature(&of.sensitivity_ppm_per_k2, "ppm/K²"),
-                of.offset_nt_per_k,
-                curvature(&of.offset_nt_per_k2, "nT/K²")
-            ),
-        );
+fn temperature_line(name: &str, of: &TemperatureOfPart) -> String {
+    let curvature = |quantity: &Option<Quantity>, unit: &str| {
+        quantity.as_ref().map_or(String::new(), |quantity| format!(" and {quantity:+} {unit}"))
     };
-    for (name, of) in [("sensor", &fit.sensor), ("electronics", &fit.electronics)] {
-        if let Some(of) = of {
-            part(name, of);
-        }
-    }
-}
-
-fn curvature(quantity: &Option<Quantity>, unit: &str) -> String {
-    quantity.as_ref().map_or(String::new(), |quantity| format!(" and {quantity:+} {unit}"))
+    format!(
+        "  {name} from {} to {} degC: the measured field changes by {:+} ppm/K{}, and by {:+} nT/K{}",
+        significant(of.range_c[0], 3),
+        significant(of.range_c[1], 3),
+        of.sensitivity_ppm_per_k,
+        curvature(&of.sensitivity_ppm_per_k2, "ppm/K²"),
+        of.offset_nt_per_k,
+        curvature(&of.offset_nt_per_k2, "nT/K²")
+    )
 }
 
 fn cross_line(cross: &CrossFieldFit) -> String {
@@ -147,10 +117,9 @@ fn cross_line(cross: &CrossFieldFit) -> String {
     let scale = cross.sensitivity.iter().map(|(name, size)| format!("sensitivity {name} {size:+}"));
     let all: Vec<String> = each.chain(scale).collect();
     let gain = cross.held_out.map_or(String::new(), |held| {
-        let passes = [held.first_pass_nt, held.second_pass_nt].into_iter().flatten().collect::<Vec<f64>>();
-        let after = if passes.is_empty() { vec![held.after_nt] } else { passes };
-        let all: Vec<String> =
-            [held.before_nt].into_iter().chain(after).map(|nt| significant(nt, 3)).collect();
+        let first = held.first_pass_nt.unwrap_or(held.after_nt);
+        let each = [Some(held.before_nt), Some(first), held.second_pass_nt];
+        let all: Vec<String> = each.into_iter().flatten().map(|nt| significant(nt, 3)).collect();
         format!("; held-out rms {} nT", all.join(" → "))
     });
     format!("  50000 nT transverse: {}{gain}", all.join(", "))
