@@ -8,6 +8,8 @@ use noise::Stream;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use crate::build::{self, each};
+
 const PARAMETERS: [(&str, &str); 5] = [
     ("cross_field", "first_nt"),
     ("cross_field", "second_nt"),
@@ -31,10 +33,6 @@ struct Setting {
     /// [`TRUE`]. An effect times a turn, neither of which is known, has long tails: with a standard
     /// uncertainty that covers 95 % it is up to 1.4 times as wide as it scatters.
     drawn: bool,
-}
-
-fn campaigns() -> u64 {
-    testkit::campaigns(20)
 }
 
 /// Unit vectors that miss the axes.
@@ -73,8 +71,8 @@ fn plan(setting: &Setting, seed: u64) -> (Value, [[f64; 5]; 3]) {
     let constant = json!({"constant_nt_per_a": {"value": 41234.5, "std": 0.05}, "offset_nt": {"value": 0.2, "std": 0.02}});
     let one = json!({"sensitivity_nt_per_v": 6400.0, "offset_nt": 0.3});
     let mut calibration = json!({
-        "coils": {"x": constant, "y": constant, "z": constant},
-        "sensors": {"x": one, "y": one, "z": one},
+        "coils": each(&constant),
+        "sensors": each(&one),
     });
     let mut true_calibration = calibration.clone();
     true_calibration["axes"] = axes.clone();
@@ -85,7 +83,7 @@ fn plan(setting: &Setting, seed: u64) -> (Value, [[f64; 5]; 3]) {
         "fluxcal": 1,
         "seed": seed,
         "start": "2026-03-02T08:00:00Z",
-        "facility": {"coils": {"x": coil, "y": coil, "z": coil}},
+        "facility": {"coils": each(&coil)},
         "instrument": {"sensors": ["x", "y", "z"], "nominal_sensitivity_nt_per_v": 6400, "noise": setting.noise},
         "calibration": calibration,
         "unstated": ["sensors"],
@@ -107,15 +105,12 @@ struct One {
 
 fn found(setting: &Setting, seed: u64) -> IndexMap<String, One> {
     let (plan, truth) = plan(setting, seed);
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let document = simulate::campaign(&plan).expect("simulated").document;
-    intervals(document, &truth, seed)
+    intervals(build::simulated(&plan).document, &truth)
 }
 
 /// The report's own campaign, without what fields across do not need.
 fn of_the_report(seed: u64) -> IndexMap<String, One> {
-    let text = std::fs::read_to_string(testkit::fixture("plans/magsat.json")).expect("the plan");
-    let mut plan: Value = serde_json::from_str(&text).expect("JSON");
+    let mut plan = build::magsat();
     plan["seed"] = json!(seed);
     let needed = ["coil_constant", "sensor_sensitivity", "sensor_noise", "temperature_run", "cross_field"];
     let procedures = plan["procedures"].as_array_mut().expect("a list");
@@ -123,20 +118,16 @@ fn of_the_report(seed: u64) -> IndexMap<String, One> {
     for one in procedures.iter_mut().filter(|one| one["procedure"] == "sensor_noise") {
         one["series"] = json!([{"length_s": 43200, "step_s": 30}, {"length_s": 1800, "step_s": 1}, {"length_s": 40, "step_s": 0.02}]);
     }
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let document = simulate::campaign(&plan).expect("simulated").document;
+    let document = build::simulated(&plan).document;
     let document = coilcal::run(document, &coilcal::Options::default()).expect("the coils");
-    intervals(document, &[[1.5, 0.8, 0.4, 0.0, 0.0], [0.0; 5], [0.0; 5]], seed)
+    intervals(document, &[[1.5, 0.8, 0.4, 0.0, 0.0], [0.0; 5], [0.0; 5]])
 }
 
-fn intervals(document: Document, truth: &[[f64; 5]; 3], seed: u64) -> IndexMap<String, One> {
-    let found: Document = sensorcal::run(document, &sensorcal::Options::default())
-        .unwrap_or_else(|error| panic!("{seed}: {error}"));
-    let calibration = found.calibration.expect("a calibration");
+fn intervals(document: Document, truth: &[[f64; 5]; 3]) -> IndexMap<String, One> {
+    let found = build::calibrated(document);
     let mut all = IndexMap::new();
     for sensor in Axis::ALL {
-        let cross =
-            calibration.sensor(sensor).and_then(|s| s.cross_field.as_ref()).expect("transverse fields");
+        let cross = build::of(&found, sensor).cross_field.as_ref().expect("transverse fields");
         for (at, (effect, name)) in PARAMETERS.into_iter().enumerate() {
             let group = if effect == "cross_field" { &cross.offset } else { &cross.sensitivity };
             let Some(quantity) = group.get(name) else { continue };
@@ -157,7 +148,7 @@ fn covers(setting: &Setting) {
 }
 
 fn judge((name_of, widest): (&str, f64), found: &(dyn Fn(u64) -> IndexMap<String, One> + Sync)) {
-    let all: Vec<IndexMap<String, One>> = (0..campaigns()).into_par_iter().map(found).collect();
+    let all: Vec<IndexMap<String, One>> = (0..testkit::campaigns(20)).into_par_iter().map(found).collect();
     let mut outside = Vec::new();
     for name in all[0].keys() {
         let ones: Vec<&One> = all.iter().filter_map(|campaign| campaign.get(name)).collect();
@@ -193,26 +184,18 @@ fn the_second_pass_is_scored_on_readings_left_out() {
     for one in procedures.as_array_mut().expect("a list").iter_mut().skip(1) {
         one["all_sensors"] = json!(true);
     }
-    let setting = Setting {
-        name: "passes",
-        noise: json!({"white_rms_nt": 0.02}),
-        axes_deg: 1.0,
-        stated: true,
-        procedures,
-        drawn: false,
-    };
+    let noise = json!({"white_rms_nt": 0.02});
+    let setting = Setting { name: "passes", noise, stated: true, procedures, ..unknown_axes() };
     let (mut plan, _) = plan(&setting, 3);
     for effect in plan["truth"]["model"]["effects"].as_array_mut().expect("a list") {
         for value in effect["parameters"].as_object_mut().expect("parameters").values_mut() {
             *value = json!(value.as_f64().expect("a number") * 30.0 + 10.0);
         }
     }
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let document = simulate::campaign(&plan).expect("simulated").document;
-    let found = sensorcal::run(document, &sensorcal::Options::default()).expect("calibrated");
+    let found = build::calibrated(build::simulated(&plan).document);
     for sensor in Axis::ALL {
-        let calibration = found.calibration.as_ref().and_then(|c| c.sensor(sensor)).expect("a sensor");
-        let held_out = calibration.cross_field.as_ref().and_then(|fit| fit.held_out).expect("held out");
+        let cross = build::of(&found, sensor).cross_field.as_ref();
+        let held_out = cross.and_then(|fit| fit.held_out).expect("held out");
         println!("{sensor}: {held_out:?}");
         let [first, second] = [held_out.first_pass_nt, held_out.second_pass_nt].map(|nt| nt.expect("a pass"));
         assert!(held_out.before_nt > 5.0 && second < first && second < 0.03, "{sensor}: {held_out:?}");
@@ -248,42 +231,29 @@ fn held() -> Value {
 
 #[test]
 fn where_each_recording_has_one_field_across() {
-    covers(&Setting {
-        name: "one field across a recording",
-        noise: flicker(),
-        axes_deg: 1.0,
-        stated: false,
-        procedures: held(),
-        drawn: false,
-    });
+    covers(&Setting { name: "one field across a recording", procedures: held(), ..unknown_axes() });
 }
 
-fn flicker() -> Value {
-    json!({"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 0.002})
+/// Axes a degree from nominal, which nobody states, and a block that was turned, under flicker noise.
+fn unknown_axes() -> Setting {
+    Setting {
+        name: "axes not known, turned",
+        noise: json!({"white_rms_nt": 0.1, "flicker_nt2_per_hz_at_1hz": 0.002}),
+        axes_deg: 1.0,
+        stated: false,
+        procedures: turned(),
+        drawn: false,
+    }
 }
 
 #[test]
 fn where_the_turns_of_the_block_show_the_sides() {
-    covers(&Setting {
-        name: "axes not known, turned",
-        noise: flicker(),
-        axes_deg: 1.0,
-        stated: false,
-        procedures: turned(),
-        drawn: false,
-    });
+    covers(&unknown_axes());
 }
 
 #[test]
 fn where_the_axes_are_known() {
-    covers(&Setting {
-        name: "axes known, turned",
-        noise: flicker(),
-        axes_deg: 1.0,
-        stated: true,
-        procedures: turned(),
-        drawn: false,
-    });
+    covers(&Setting { name: "axes known, turned", stated: true, ..unknown_axes() });
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! Recordings made by hand, for tests.
+//! Recordings made by hand and plans, for tests; and what is asked of the answers.
 
-use common::{Axis, Document, SensorCalibration};
+use common::{Axis, Departure, Document, Quantity, SensorCalibration};
 use noise::Stream;
 use serde_json::{Value, json};
 
@@ -65,6 +65,91 @@ pub fn run(document: &Value) -> Result<Document, sensorcal::Error> {
 
 /// What it finds of sensor x.
 pub fn sensor(document: &Value) -> SensorCalibration {
-    let found = run(document).unwrap_or_else(|error| panic!("{error}"));
-    found.calibration.expect("a calibration").sensor(Axis::X).expect("sensor x").clone()
+    of(&run(document).unwrap_or_else(|error| panic!("{error}")), Axis::X).clone()
+}
+
+/// A sensor of a document that is calibrated.
+pub fn of(document: &Document, axis: Axis) -> &SensorCalibration {
+    document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis)).expect("a sensor")
+}
+
+/// Changes a column of a recording, by row and value.
+pub fn change(recording: &mut Value, column: &str, to: impl Fn(usize, f64) -> f64) {
+    let column = recording["columns"][column].as_array_mut().expect("a list");
+    for (row, value) in column.iter_mut().enumerate() {
+        *value = json!(to(row, value.as_f64().expect("a number")));
+    }
+}
+
+/// Whether a value is within so many standard uncertainties of the truth.
+pub fn near(quantity: &Quantity, truth: f64, most: f64) -> bool {
+    (quantity.value() - truth).abs() < most * quantity.std().expect("a std")
+}
+
+/// The departures that were found.
+pub fn found(departures: &[Departure]) -> Vec<&str> {
+    departures.iter().filter(|one| one.found).map(|one| one.departure.as_str()).collect()
+}
+
+/// A plan for sensors in three coils, with the block and the coils along the axes; what a test varies is put
+/// in.
+pub fn plan(seed: u64, sensors: &[&str], noise: &Value, effects: Vec<Value>, procedures: Value) -> Value {
+    let coil = json!({"resistor_ohm": 1.0, "max_nt": 65000});
+    let known = json!({"constant_nt_per_a": 41000.0, "offset_nt": 0.0});
+    let constants = json!({"sensitivity_nt_per_v": 6400.0, "offset_nt": 0.3});
+    let unit = json!({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]});
+    let temperatures =
+        json!({"sensor_temperature_c": 23.0, "electronics_temperature_c": 23.0, "coil_temperature_c": 21.0});
+    json!({
+        "fluxcal": 1,
+        "seed": seed,
+        "start": "2026-03-02T08:00:00Z",
+        "facility": {"coils": each(&coil)},
+        "instrument": {"sensors": sensors, "nominal_sensitivity_nt_per_v": 6400, "noise": noise},
+        "calibration": {
+            "coils": each(&known),
+            "sensors": each(&constants),
+            "axes": {"sensors": unit, "coils": unit},
+            "reference_conditions": temperatures
+        },
+        "unstated": ["sensors"],
+        "temperatures": temperatures,
+        "truth": {
+            "model": {"effects": effects},
+            "residual_field_nt": {"x": 0.0, "y": 0.0, "z": 0.0},
+            "shield_field_nt": {"x": 2.1, "y": -1.4, "z": 3.2}
+        },
+        "procedures": procedures
+    })
+}
+
+/// The same for each axis.
+pub fn each(one: &Value) -> Value {
+    json!({"x": one, "y": one, "z": one})
+}
+
+/// The campaign of a plan.
+pub fn simulated(plan: &Value) -> simulate::Campaign {
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    simulate::campaign(&plan).expect("simulated")
+}
+
+/// The report's own campaign.
+pub fn magsat() -> Value {
+    serde_json::from_str(&testkit::read_fixture("plans/magsat.json")).expect("JSON")
+}
+
+/// The document with what sensorcal finds.
+pub fn calibrated(document: Document) -> Document {
+    sensorcal::run(document, &sensorcal::Options::default()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What is to be said of intervals whose share that holds the truth does not agree with a band, where so many
+/// are judged together.
+pub fn outside(name: &str, held: &[bool], band: [f64; 2], judged: usize) -> Option<String> {
+    let inside = held.iter().filter(|held| **held).count();
+    let share = inside as f64 / held.len() as f64;
+    println!("{name}: {:.1} % of {}", 100.0 * share, held.len());
+    let agrees = testkit::agrees(inside, held.len(), band, judged);
+    (!agrees).then(|| format!("{name}: {share:.3} of {}", held.len()))
 }

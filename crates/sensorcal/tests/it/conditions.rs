@@ -1,11 +1,10 @@
 //! Temperatures and fields across.
 
-use crate::build;
-
-use build::{COIL, K, read, recording, sensor, sweep, with};
 use common::TemperatureFit;
 use noise::Stream;
 use serde_json::{Value, json};
+
+use crate::build::{self, COIL, K, change, found, near, read, recording, sensor, sweep, with};
 
 /// Eleven fields at each of the temperatures, a reading every 11 s, half an hour between; `adds` gives nT for
 /// field, temperature of the sensor and of the electronics.
@@ -67,12 +66,11 @@ fn coefficients_and_the_report_s_slopes() {
         ("three points, ppm/K", &part.three_point["sensitivity_ppm_per_k"], 28.0),
         ("three points, nT/K", &part.three_point["offset_nt_per_k"], 0.05),
     ] {
-        let std = quantity.std().expect("a std");
-        assert!((quantity.value() - truth).abs() < 3.5 * std, "{name}: {quantity:?}");
+        assert!(near(quantity, truth, 3.5), "{name}: {quantity:?}");
     }
     // 23 + 0.05/(2 · 0.001) = 48 degC.
     let extremum = &part.extrema_c["offset"];
-    assert!((extremum.value() - 48.0).abs() < 3.5 * extremum.std().expect("a std"), "{extremum:?}");
+    assert!(near(extremum, 48.0, 3.5), "{extremum:?}");
     assert_eq!(part.range_c, [-7.0, 53.0]);
     assert_eq!((fit.levels.branch[3], fit.levels.branch[5], fit.levels.branch[12]), (1, -1, 1));
     assert!(part.lag.contains("were not recorded"), "{}", part.lag);
@@ -83,16 +81,10 @@ fn branches_that_differ_are_told() {
     // 2 nT more on the way down: the readings themselves do not say the way, their order does.
     let steps = sensor_steps();
     let mut run = heated(2, "run", &steps, |_, s, _| 0.05 * s);
-    let volts = run["columns"]["sensor_x_v"].as_array_mut().expect("a list");
-    for (row, value) in volts.iter_mut().enumerate() {
-        let level = row / 11;
-        let cooling = level >= 1 && STEPS[level] < STEPS[level - 1];
-        *value = json!(value.as_f64().expect("a number") + if cooling { 2.0 / K } else { 0.0 });
-    }
+    let cooling = |level: usize| level >= 1 && STEPS[level] < STEPS[level - 1];
+    change(&mut run, "sensor_x_v", |row, volts| volts + if cooling(row / 11) { 2.0 / K } else { 0.0 });
     let fit = fitted(&document(vec![run]));
-    let found: Vec<&str> =
-        fit.departures.iter().filter(|departure| departure.found).map(|d| d.departure.as_str()).collect();
-    assert_eq!(found, ["sensor_offset_branches"]);
+    assert_eq!(found(&fit.departures), ["sensor_offset_branches"]);
 }
 
 #[test]
@@ -118,11 +110,9 @@ fn both_parts_apart_and_their_product() {
         heated(4, "both", &cross, adds),
     ];
     let fit = fitted(&document(runs));
-    let found: Vec<&str> =
-        fit.departures.iter().filter(|departure| departure.found).map(|d| d.departure.as_str()).collect();
-    assert_eq!(found, ["offset_product"]);
+    assert_eq!(found(&fit.departures), ["offset_product"]);
     let product = &fit.departures.iter().find(|d| d.found).expect("found").parameter["product_nt_per_k2"];
-    assert!((product.value() - 0.003).abs() < 3.5 * product.std().expect("a std"));
+    assert!(near(product, 0.003, 3.5));
     let electronics = fit.electronics.expect("the electronics");
     assert!((electronics.sensitivity_ppm_per_k.value() - 3.0).abs() < 0.2);
 }
@@ -199,18 +189,14 @@ fn a_lean_is_not_taken_for_an_effect_of_fields_across() {
     let leaning = sensor(&document(across(6, &levels, 0.0))).cross_field.expect("transverse fields");
     assert!(leaning.significance.expect("a test").p_value > 0.01);
     for misalignment in &leaning.misalignments {
-        let angle = &misalignment.angle_arcsec;
-        assert!((angle.value() - 20.0).abs() < 3.5 * angle.std().expect("a std"), "{angle:?}");
+        assert!(near(&misalignment.angle_arcsec, 20.0, 3.5), "{misalignment:?}");
     }
     let found = build::run(&document(across(6, &levels, 0.0))).expect("calibrated");
     assert!(found.model.is_none_or(|model| model.effects.is_empty()));
     // 3 nT, even in the field along z (v in SEN); the field from the other side (u) does nothing.
     let with_effect = sensor(&document(across(6, &levels, 3.0))).cross_field.expect("transverse fields");
     let (first, second) = (&with_effect.offset["first_nt"], &with_effect.offset["second_nt"]);
-    let near = |quantity: &common::Quantity, truth: f64| {
-        (quantity.value() - truth).abs() < 3.5 * quantity.std().expect("a std")
-    };
-    assert!(near(second, 3.0) && near(first, 0.0), "{first:?} {second:?}");
+    assert!(near(second, 3.0, 3.5) && near(first, 0.0, 3.5), "{first:?} {second:?}");
     assert!(with_effect.significance.expect("a test").p_value < 1e-10);
     assert!(with_effect.difference.expect("a test").p_value < 1e-10);
     let held_out = with_effect.held_out.expect("held out");
@@ -222,11 +208,8 @@ fn one_side_alone_is_said() {
     let one = across(7, &[-60_000.0, 0.0, 60_000.0], 3.0).remove(0);
     let cross = sensor(&document(vec![one])).cross_field.expect("transverse fields");
     assert!(cross.offset.contains_key("second_nt") && !cross.offset.contains_key("first_nt"));
-    assert!(
-        cross.findings.iter().any(|finding| finding.contains("was not recorded")),
-        "{:?}",
-        cross.findings
-    );
+    let said = cross.findings.join("\n");
+    assert!(said.contains("was not recorded"), "{said}");
 }
 
 #[test]
@@ -258,7 +241,7 @@ fn a_ramp_shows_its_curvature_and_no_lag() {
     let part =
         fitted(&document(vec![recording("ramp", "temperature_run", &columns)])).sensor.expect("the sensor");
     let curvature = part.sensitivity_ppm_per_k2.expect("a curvature");
-    assert!((curvature.value() - 0.05).abs() < 3.5 * curvature.std().expect("a std"), "{curvature:?}");
+    assert!(near(&curvature, 0.05, 3.5), "{curvature:?}");
     assert!(part.lag_s.is_none(), "{}", part.lag);
 }
 
@@ -267,6 +250,6 @@ fn small_fields_across_show_what_they_can() {
     let levels = [-20_000.0, -10_000.0, 0.0, 10_000.0, 20_000.0];
     let cross = sensor(&document(across(22, &levels, 8.0))).cross_field.expect("transverse fields");
     let second = &cross.offset["second_nt"];
-    assert!((second.value() - 8.0).abs() < 3.5 * second.std().expect("a std"), "{second:?}");
+    assert!(near(second, 8.0, 3.5), "{second:?}");
     assert!(cross.significance.expect("a test").p_value < 1e-6);
 }

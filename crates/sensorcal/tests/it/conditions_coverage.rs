@@ -1,77 +1,56 @@
 //! Coverage of a lag, of temperatures at which no sensor changes, and of the error budget, over simulated
 //! campaigns. FLUXCAL_CAMPAIGNS sets how many.
 
-use common::{Axis, Document, SensorCalibration};
+use common::{Axis, Document, Quantity};
 use noise::Stream;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-/// A sensor or several in a coil, calibrated; what varies is put in.
+use crate::build::{self, each, of};
+
+/// A sensor or several in a coil; what varies is put in.
 fn plan(seed: u64, sensors: &[&str], effects: Vec<Value>, procedures: Value) -> Value {
-    let coil = json!({"resistor_ohm": 1.0, "max_nt": 65000});
-    let known = json!({"constant_nt_per_a": 41000.0, "offset_nt": 0.0});
-    let constants = json!({"sensitivity_nt_per_v": 6400.0, "offset_nt": 0.3});
-    let unit = json!({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]});
-    json!({
-        "fluxcal": 1,
-        "seed": seed,
-        "start": "2026-03-02T08:00:00Z",
-        "facility": {"coils": {"x": coil, "y": coil, "z": coil}},
-        "instrument": {"sensors": sensors, "nominal_sensitivity_nt_per_v": 6400, "noise": {"white_rms_nt": 0.1}},
-        "calibration": {
-            "coils": {"x": known, "y": known, "z": known},
-            "sensors": {"x": constants, "y": constants, "z": constants},
-            "axes": {"sensors": unit, "coils": unit},
-            "reference_conditions": {"sensor_temperature_c": 23.0, "electronics_temperature_c": 23.0, "coil_temperature_c": 21.0}
-        },
-        "unstated": ["sensors"],
-        "temperatures": {"sensor_temperature_c": 23.0, "electronics_temperature_c": 23.0, "coil_temperature_c": 21.0},
-        "truth": {
-            "model": {"effects": effects},
-            "residual_field_nt": {"x": 0.0, "y": 0.0, "z": 0.0},
-            "shield_field_nt": {"x": 2.1, "y": -1.4, "z": 3.2},
-            "offset_wander": {"white_rms_nt": 0.15}
-        },
-        "procedures": procedures
-    })
+    let mut plan = build::plan(seed, sensors, &json!({"white_rms_nt": 0.1}), effects, procedures);
+    plan["truth"]["offset_wander"] = json!({"white_rms_nt": 0.15});
+    plan
 }
 
 fn calibrated(plan: &Value) -> Document {
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let campaign = simulate::campaign(&plan).expect("simulated");
-    sensorcal::run(campaign.document, &sensorcal::Options::default()).expect("calibrated")
+    build::calibrated(build::simulated(plan).document)
 }
 
-fn sensor(document: &Document, axis: Axis) -> &SensorCalibration {
-    document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis)).expect("a sensor")
+/// One sensor, a lag of its offset, and a temperature that is followed on its way.
+fn lagging(seed: u64, coefficient: f64, lag_s: f64) -> Value {
+    let lag = json!({"effect": "offset_temperature_lag", "sensor": "x",
+        "parameters": {"coefficient_nt_per_k": coefficient, "lag_s": lag_s}});
+    let run = json!([{"procedure": "temperature_run", "id": "run", "parts": ["sensor"],
+        "deviations_k": [0, 15, 0], "monitor_s": 30}]);
+    plan(seed, &["x"], vec![lag], run)
+}
+
+/// Whether a 95 % interval holds the truth, with a factor for those that do not state one.
+fn holds(quantity: &Quantity, truth: f64, factor: f64) -> bool {
+    let factor = quantity.coverage_factor_95().unwrap_or(factor);
+    (quantity.value() - truth).abs() <= factor * quantity.std().expect("a std")
 }
 
 /// Asserts that a share agrees with 93 % to `most`.
 #[track_caller]
 fn within(name: &str, held: &[bool], most: f64) {
-    let inside = held.iter().filter(|held| **held).count();
-    let share = inside as f64 / held.len() as f64;
-    println!("{name}: {:.1} % of {}", 100.0 * share, held.len());
-    assert!(testkit::agrees(inside, held.len(), [0.93, most], 1), "{name}: {share:.3} of {}", held.len());
+    let outside = build::outside(name, held, [0.93, most], 1);
+    assert!(outside.is_none(), "{}", outside.unwrap_or_default());
 }
 
 #[test]
 fn a_lag_covers() {
     let truth = [0.08, 700.0];
     let run = |seed: u64| {
-        let lag = json!({"effect": "offset_temperature_lag", "sensor": "x",
-            "parameters": {"coefficient_nt_per_k": truth[0], "lag_s": truth[1]}});
-        let run = json!([{"procedure": "temperature_run", "id": "run", "parts": ["sensor"],
-            "deviations_k": [0, 15, 0], "monitor_s": 30}]);
-        let found = calibrated(&plan(seed, &["x"], vec![lag], run));
-        let fit = sensor(&found, Axis::X).temperature.as_ref().expect("temperatures");
+        let found = calibrated(&lagging(seed, truth[0], truth[1]));
+        let fit = of(&found, Axis::X).temperature.as_ref().expect("temperatures");
         let part = fit.sensor.as_ref().expect("the sensor");
         let factor = fit.noise.coverage_factor_95;
-        let holds = |quantity: &common::Quantity, truth: f64| {
-            let factor = quantity.coverage_factor_95().unwrap_or(factor);
-            (quantity.value() - truth).abs() <= factor * quantity.std().expect("a std")
-        };
-        part.lag_s.as_ref().map(|lag| [holds(lag, truth[1]), holds(&part.offset_nt_per_k, truth[0])])
+        let lag = part.lag_s.as_ref()?;
+        Some([holds(lag, truth[1], factor), holds(&part.offset_nt_per_k, truth[0], factor)])
     };
     let count = testkit::campaigns(40);
     let all: Vec<[bool; 2]> = (0..count).into_par_iter().filter_map(run).collect();
@@ -85,12 +64,8 @@ fn a_lag_covers() {
 fn a_lag_that_is_excluded_is_not_there() {
     let truth_s = 60.0;
     let run = |seed: u64| {
-        let lag = json!({"effect": "offset_temperature_lag", "sensor": "x",
-            "parameters": {"coefficient_nt_per_k": 0.02, "lag_s": truth_s}});
-        let run = json!([{"procedure": "temperature_run", "id": "run", "parts": ["sensor"],
-            "deviations_k": [0, 15, 0], "monitor_s": 30}]);
-        let found = calibrated(&plan(seed, &["x"], vec![lag], run));
-        let part = sensor(&found, Axis::X).temperature.as_ref()?.sensor.as_ref()?;
+        let found = calibrated(&lagging(seed, 0.02, truth_s));
+        let part = of(&found, Axis::X).temperature.as_ref()?.sensor.as_ref()?;
         let words = part.lag.split("offset: no lag was detected; more than ").nth(1)?;
         words.split_once(" s is excluded")?.0.parse::<f64>().ok()
     };
@@ -110,18 +85,14 @@ fn common_extrema_cover() {
         let effects = vec![effect("x", 0.002), effect("y", -0.0012), effect("z", 0.0006)];
         let run = json!([{"procedure": "temperature_run", "id": "run", "parts": ["sensor"]}]);
         let found = calibrated(&plan(seed, &["x", "y", "z"], effects, run));
-        let holds = |quantity: &common::Quantity, factor: f64| {
-            let factor = quantity.coverage_factor_95().unwrap_or(factor);
-            (quantity.value() - at_c).abs() <= factor * quantity.std().expect("a std")
-        };
         let own = Axis::ALL.map(|axis| {
-            let fit = sensor(&found, axis).temperature.as_ref().expect("temperatures");
+            let fit = of(&found, axis).temperature.as_ref().expect("temperatures");
             let part = fit.sensor.as_ref().expect("the sensor");
-            part.extrema_c.get("offset").map(|at| holds(at, fit.noise.coverage_factor_95))
+            part.extrema_c.get("offset").map(|at| holds(at, at_c, fit.noise.coverage_factor_95))
         });
         let common = &found.calibration.as_ref().expect("a calibration").common_extrema;
         let common = common.iter().find(|one| one.part == "sensor" && one.quantity == "offset");
-        (own, common.map(|one| holds(&one.temperature_c, 1.96)))
+        (own, common.map(|one| holds(&one.temperature_c, at_c, 1.96)))
     };
     let all: Vec<_> = (0..testkit::campaigns(40)).into_par_iter().map(run).collect();
     for axis in Axis::ALL {
@@ -163,11 +134,11 @@ fn the_error_budget_covers() {
         let stated = json!({"constant_nt_per_a": {"value": 41000.0, "std": 0.05}, "offset_nt": {"value": 0.0, "std": 0.02}});
         let mut stream = Stream::new(seed, "truth");
         let coil = json!({"constant_nt_per_a": 41000.0 + 0.05 * stream.normal(), "offset_nt": 0.02 * stream.normal()});
-        plan["calibration"]["coils"] = json!({"x": stated, "y": stated, "z": stated});
-        plan["truth"]["calibration"] = json!({"coils": {"x": coil, "y": coil, "z": coil}});
+        plan["calibration"]["coils"] = each(&stated);
+        plan["truth"]["calibration"] = json!({"coils": each(&coil)});
         let found = calibrated(&plan);
-        let found = sensor(&found, Axis::X);
-        let value = |quantity: &Option<common::Quantity>| quantity.as_ref().expect("a quantity").value();
+        let found = of(&found, Axis::X);
+        let value = |quantity: &Option<Quantity>| quantity.as_ref().expect("a quantity").value();
         let part = found.temperature.as_ref().and_then(|fit| fit.sensor.as_ref()).expect("the sensor");
         let across = found.cross_field.as_ref().expect("transverse fields");
         let fitted = [

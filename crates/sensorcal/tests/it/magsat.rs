@@ -1,15 +1,9 @@
 //! The whole campaign of the report, simulated, calibrated, and held against what was true.
 
-use common::{Axis, Document, Quantity, SensorCalibration};
-use simulate::{Campaign, Plan, Truth};
+use common::{Axis, Quantity};
+use simulate::{Campaign, Truth};
 
-fn campaign() -> (Document, Truth) {
-    let text = std::fs::read_to_string(testkit::fixture("plans/magsat.json")).expect("the plan");
-    let plan: Plan = simulate::Plan::parse(&text).expect("a plan");
-    let Campaign { document, truth, .. } = simulate::campaign(&plan).expect("simulated");
-    let document = coilcal::run(document, &coilcal::Options::default()).expect("the coils");
-    (document, truth)
-}
+use crate::build;
 
 /// A parameter of an effect that is true; zero where there is no such effect.
 fn true_effect(truth: &Truth, name: &str, sensor: Axis, parameter: &str) -> f64 {
@@ -19,12 +13,11 @@ fn true_effect(truth: &Truth, name: &str, sensor: Axis, parameter: &str) -> f64 
 
 #[test]
 fn every_true_coefficient_is_within_its_interval() {
-    let (document, truth) = campaign();
-    let found = sensorcal::run(document, &sensorcal::Options::default()).expect("the sensors");
-    let calibration = found.calibration.as_ref().expect("a calibration");
+    let Campaign { document, truth, .. } = build::simulated(&build::magsat());
+    let found = build::calibrated(coilcal::run(document, &coilcal::Options::default()).expect("the coils"));
     let mut missed: Vec<(String, f64)> = Vec::new();
     for axis in Axis::ALL {
-        let sensor: &SensorCalibration = calibration.sensor(axis).expect("a sensor");
+        let sensor = build::of(&found, axis);
         let true_sensor = truth.calibration.sensor(axis).expect("a sensor");
         let mut add = |name: &str, quantity: &Quantity, truth: f64| {
             missed.push((
@@ -44,27 +37,23 @@ fn every_true_coefficient_is_within_its_interval() {
             let of = of.as_ref().expect("a part");
             let scale = format!("sensitivity_{part}temperature");
             let shift = format!("offset_{part}temperature");
-            let truth = |name: &str, parameter: &str| true_effect(&truth, name, axis, parameter);
-            add(&format!("{scale} slope"), &of.sensitivity_ppm_per_k, truth(&scale, "coefficient_ppm_per_k"));
-            add(
-                &format!("{scale} curvature"),
-                of.sensitivity_ppm_per_k2.as_ref().expect("a curvature"),
-                truth(&scale, "curvature_ppm_per_k2"),
-            );
-            add(&format!("{shift} slope"), &of.offset_nt_per_k, truth(&shift, "coefficient_nt_per_k"));
-            add(
-                &format!("{shift} curvature"),
-                of.offset_nt_per_k2.as_ref().expect("a curvature"),
-                truth(&shift, "curvature_nt_per_k2"),
-            );
+            for (name, parameter, quantity) in [
+                (&scale, "coefficient_ppm_per_k", Some(&of.sensitivity_ppm_per_k)),
+                (&scale, "curvature_ppm_per_k2", of.sensitivity_ppm_per_k2.as_ref()),
+                (&shift, "coefficient_nt_per_k", Some(&of.offset_nt_per_k)),
+                (&shift, "curvature_nt_per_k2", of.offset_nt_per_k2.as_ref()),
+            ] {
+                let truth = true_effect(&truth, name, axis, parameter);
+                add(&format!("{name} {parameter}"), quantity.expect("both"), truth);
+            }
         }
         let cross = sensor.cross_field.as_ref().expect("transverse fields");
-        for (name, quantity) in &cross.offset {
-            add(&format!("cross_field {name}"), quantity, true_effect(&truth, "cross_field", axis, name));
-        }
-        for (name, quantity) in &cross.sensitivity {
-            let of = true_effect(&truth, "cross_field_sensitivity", axis, name);
-            add(&format!("cross_field_sensitivity {name}"), quantity, of);
+        for (effect, found) in
+            [("cross_field", &cross.offset), ("cross_field_sensitivity", &cross.sensitivity)]
+        {
+            for (name, quantity) in found {
+                add(&format!("{effect} {name}"), quantity, true_effect(&truth, effect, axis, name));
+            }
         }
         let significant = cross.significance.expect("a test").p_value < 0.01;
         assert_eq!(significant, axis == Axis::X, "sensor {axis}: transverse fields");

@@ -1,9 +1,8 @@
 //! Sensitivity and nonlinearity: the report's numbers, departures where they are and where they are not.
 
-use crate::build;
-
-use build::{K, sensitivity, sensor, sweep, with};
 use serde_json::json;
+
+use crate::build::{self, K, change, near, sensitivity, sensor, sweep, with};
 
 #[test]
 fn the_report_s_uncertainties() {
@@ -12,9 +11,7 @@ fn the_report_s_uncertainties() {
     let fields: Vec<f64> = (0..101).map(|i| 500.0 * f64::from(i)).collect();
     let mut document = with(vec![sensitivity(1, &fields, 1.0, |b| b)]);
     document["instrument"] = json!({"nominal_sensitivity_nt_per_v": 5000.0, "noise": {"white_rms_nt": 1.0}});
-    for value in document["recordings"][0]["columns"]["sensor_x_v"].as_array_mut().expect("a list") {
-        *value = json!(value.as_f64().expect("a number") * K / 5000.0);
-    }
+    change(&mut document["recordings"][0], "sensor_x_v", |_, volts| volts * K / 5000.0);
     let found = sensor(&document);
     let fit = found.sensitivity.as_ref().expect("a fit");
     let squares: f64 = fit.residuals.residual_nt.iter().map(|r| r * r).sum();
@@ -47,7 +44,7 @@ fn each_departure_is_named_where_it_is() {
             let looked =
                 fit.departures.iter().find(|departure| departure.departure == name).expect("looked for");
             let value = looked.parameter.values().next().expect("a parameter");
-            assert!((value.value() - size).abs() < 4.5 * value.std().expect("a std"), "{name} {seed}");
+            assert!(near(value, size, 4.5), "{name} {seed}");
             named += u32::from(looked.found);
             rival += u32::from(!looked.found && fit.rivals.iter().any(|rival| rival == name));
         }
@@ -57,15 +54,11 @@ fn each_departure_is_named_where_it_is() {
     for seed in 0..5 {
         let mut document = with(vec![sensitivity(seed, &up_and_down, 0.3, |b| b)]);
         document["instrument"]["noise"] = json!({"white_rms_nt": 0.3});
-        for (row, value) in document["recordings"][0]["columns"]["sensor_x_v"]
-            .as_array_mut()
-            .expect("a list")
-            .iter_mut()
-            .enumerate()
-        {
+        let moved = |row: usize, volts: f64| {
             let way = if row < 51 { -0.4 } else { 0.4 };
-            *value = json!(value.as_f64().expect("a number") + way / K);
-        }
+            volts + way / K
+        };
+        change(&mut document["recordings"][0], "sensor_x_v", moved);
         let fit = sensor(&document).sensitivity.expect("a fit");
         assert!(fit.model.contains("hysteresis_between_branches"), "{}", fit.model);
     }
@@ -95,7 +88,7 @@ fn what_was_found_is_adopted_under_the_catalogue_s_name() {
     let size = model.effects[0].parameters["departure_nt"].value();
     assert!((size + 2.0).abs() < 0.2, "{size}");
     // A second run finds the same and does not put it there twice.
-    let again = sensorcal::run(found.clone(), &sensorcal::Options::default()).expect("calibrated");
+    let again = build::calibrated(found.clone());
     assert_eq!(again.model, found.model);
     assert_eq!(again.calibration, found.calibration);
 }
@@ -134,17 +127,13 @@ fn scales_and_signs() {
     let (k, o) = straight(&document);
     assert!((k - K).abs() < 0.05 && (o - 3.0).abs() < 0.2);
     // Ten times the drive through a tenth of the coil is the same field.
-    for value in document["recordings"][0]["columns"]["coil_x_a"].as_array_mut().expect("a list") {
-        *value = json!(value.as_f64().expect("a number") * 10.0);
-    }
+    change(&mut document["recordings"][0], "coil_x_a", |_, current| current * 10.0);
     document["calibration"]["coils"]["x"]["constant_nt_per_a"] = json!(4000.0);
     let (same_k, same_o) = straight(&document);
     assert!((k - same_k).abs() < 1e-9 * K && (o - same_o).abs() < 1e-9);
     // Turned round, the sensor reads the opposite.
     document["recordings"][0]["conditions"]["orientation"] = json!([[-1, 0, 0], [0, -1, 0], [0, 0, 1]]);
-    for value in document["recordings"][0]["columns"]["coil_x_a"].as_array_mut().expect("a list") {
-        *value = json!(-value.as_f64().expect("a number"));
-    }
+    change(&mut document["recordings"][0], "coil_x_a", |_, current| -current);
     let (turned_k, turned_o) = straight(&document);
     assert!((k - turned_k).abs() < 1e-8 * K && (o - turned_o).abs() < 1e-8);
 }

@@ -1,10 +1,9 @@
 //! Reversals, noise and offset drift in a shield.
 
-use crate::build;
-
-use build::{K, read, recording, sensor, with};
 use noise::Stream;
 use serde_json::{Value, json};
+
+use crate::build::{K, change, near, read, recording, sensor, with};
 
 /// + − − + … with a shield's field that drifts, and one bad pair where `bad` says.
 fn reversals(seed: u64, pairs: usize, noise: f64, bad: Option<usize>) -> Value {
@@ -68,8 +67,7 @@ fn was_it_the_sensor_or_the_quantiser() {
         let series = &noise.series[0];
         assert_eq!(series.measured, verdict, "{white}");
         assert!((series.code_nt.expect("a code") / 0.064 - 1.0).abs() < 1e-9);
-        let own = &noise.white_rms_nt;
-        assert!((own.value() - white).abs() < 4.0 * own.std().expect("a std"), "{own:?}");
+        assert!(near(&noise.white_rms_nt, white, 4.0), "{:?}", noise.white_rms_nt);
         // δ²Δt/6.
         assert!(
             (series.rounding_nt2_per_hz.expect("rounding") / (0.064f64.powi(2) * 0.01 / 6.0) - 1.0).abs()
@@ -88,11 +86,8 @@ fn was_it_the_sensor_or_the_quantiser() {
 #[test]
 fn a_line_is_told_and_kept_out() {
     let mut document = with(vec![noise(4, 20_000, 0.01, 0.1, 0.0)]);
-    let volts = document["recordings"][0]["columns"]["sensor_x_v"].as_array_mut().expect("a list");
-    for (row, value) in volts.iter_mut().enumerate() {
-        let line = 0.05 * (std::f64::consts::TAU * 16.7 * 0.01 * row as f64).sin();
-        *value = json!(value.as_f64().expect("a number") + line / K);
-    }
+    let line = |row: usize| 0.05 * (std::f64::consts::TAU * 16.7 * 0.01 * row as f64).sin();
+    change(&mut document["recordings"][0], "sensor_x_v", |row, volts| volts + line(row) / K);
     let noise = sensor(&document).noise.expect("noise");
     assert_eq!(noise.lines.len(), 1);
     assert!(
@@ -106,10 +101,7 @@ fn dates(offset: impl Fn(f64) -> f64) -> Vec<Value> {
     let date = |number: usize| {
         let days = 7.0 * number as f64;
         let mut one = reversals(100 + number as u64, 6, 0.02, None);
-        let more = offset(days);
-        for value in one["columns"]["sensor_x_v"].as_array_mut().expect("a list") {
-            *value = json!(value.as_f64().expect("a number") - more / K);
-        }
+        change(&mut one, "sensor_x_v", |_, volts| volts - offset(days) / K);
         let start = common::time::Start { unix_s: 1.7e9 + 86_400.0 * days, offset_s: 0.0 };
         one["procedure"] = json!("offset_drift");
         one["id"] = json!(format!("drift-{number}"));
@@ -124,16 +116,11 @@ fn trend_and_year_are_found_where_they_are() {
     let year = |days: f64| std::f64::consts::TAU * days / 365.25;
     let with_both = dates(|days| 0.4 * days / 365.25 + 0.2 * year(days).cos() - 0.1 * year(days).sin());
     let drift = sensor(&with(with_both)).drift.expect("a drift");
-    let within = |quantity: &common::Quantity, truth: f64| {
-        (quantity.value() - truth).abs() < 3.5 * quantity.std().expect("a std")
-    };
     let trend = drift.trend_nt_per_year.as_ref().expect("a trend");
     let annual = drift.annual.as_ref().expect("a year");
-    assert!(within(trend, 0.4) && drift.trend_p.expect("p") < 0.01, "{trend:?}");
-    assert!(
-        within(&annual.cosine_nt, 0.2) && within(&annual.sine_nt, -0.1) && annual.p_value < 1e-4,
-        "{annual:?}"
-    );
+    assert!(near(trend, 0.4, 3.5) && drift.trend_p.expect("p") < 0.01, "{trend:?}");
+    assert!(near(&annual.cosine_nt, 0.2, 3.5) && near(&annual.sine_nt, -0.1, 3.5), "{annual:?}");
+    assert!(annual.p_value < 1e-4, "{annual:?}");
     let still = sensor(&with(dates(|_| 0.0))).drift.expect("a drift");
     assert!(still.trend_p.expect("p") > 0.01 && still.annual.expect("a year").p_value > 0.01);
     assert!((still.mean_nt.value() - 1.5).abs() < 0.01 && still.rms_nt < 0.02);
@@ -148,7 +135,7 @@ fn a_drift_follows_the_temperature_that_was_recorded() {
     }
     let drift = sensor(&with(all)).drift.expect("a drift");
     let coefficient = drift.temperature_nt_per_k.expect("a coefficient");
-    assert!((coefficient.value() - 0.05).abs() < 3.5 * coefficient.std().expect("a std"), "{coefficient:?}");
+    assert!(near(&coefficient, 0.05, 3.5), "{coefficient:?}");
 }
 
 #[test]
@@ -157,14 +144,12 @@ fn coarse_codes_do_not_make_an_offset_sure() {
     // code.
     let mut reversal = reversals(5, 10, 0.0, None);
     reversal["columns"].as_object_mut().expect("columns").remove("time_s");
-    for value in reversal["columns"]["sensor_x_v"].as_array_mut().expect("a list") {
-        *value = json!((value.as_f64().expect("a number") / 3e-4).round() * 3e-4);
-    }
+    change(&mut reversal, "sensor_x_v", |_, volts| (volts / 3e-4).round() * 3e-4);
     let mut document = with(vec![reversal]);
     document["instrument"]["quantisation_v"] = json!(3e-4);
     let offset = sensor(&document).reversal.expect("reversals").offset_nt;
     let std = offset.std().expect("a std");
-    assert!(std >= 1.92 / 24f64.sqrt() && (offset.value() - 1.5).abs() < 2.0 * std, "{offset:?}");
+    assert!(std >= 1.92 / 24f64.sqrt() && near(&offset, 1.5, 2.0), "{offset:?}");
 }
 
 #[test]
@@ -184,25 +169,20 @@ fn few_pairs_of_unknown_noise_cover() {
     }
 }
 
-/// A recording of noise with other times.
-fn at(mut recording: Value, time: impl Fn(usize) -> f64) -> Value {
-    let rows = recording["columns"]["time_s"].as_array().expect("times").len();
-    recording["columns"]["time_s"] = json!((0..rows).map(time).collect::<Vec<f64>>());
-    recording
-}
-
 #[test]
 fn noise_at_uneven_times_is_read_and_that_is_said() {
-    let made = |seed: u64| noise(seed, 5000, 0.01, 0.1, 0.0);
+    let at = |seed: u64, time: &dyn Fn(usize) -> f64| {
+        let mut made = noise(seed, 5000, 0.01, 0.1, 0.0);
+        change(&mut made, "time_s", |row, _| time(row));
+        sensor(&with(vec![made])).noise.expect("noise")
+    };
     let off = |row: usize| 0.9 * f64::from((row as u32 * 7) % 5) / 4.0;
-    let uneven = sensor(&with(vec![at(made(8), |row| 0.01 * (row as f64 + off(row)))])).noise.expect("noise");
+    let uneven = at(8, &|row| 0.01 * (row as f64 + off(row)));
     assert!(uneven.findings.iter().any(|finding| finding.contains("uneven")), "{:?}", uneven.findings);
     // A cubic between two readings has less than their noise, least of all at short periods.
     assert!(uneven.white_rms_nt.value() < 0.1, "{:?}", uneven.white_rms_nt);
     // Printed to the millisecond, at three readings in ten milliseconds.
-    let printed = |row: usize| (row as f64 / 0.3).round() * 1e-3;
-    let even = sensor(&with(vec![at(made(9), printed)])).noise.expect("noise");
+    let even = at(9, &|row| (row as f64 / 0.3).round() * 1e-3);
     assert!(!even.findings.iter().any(|finding| finding.contains("uneven")), "{:?}", even.findings);
-    let own = &even.white_rms_nt;
-    assert!((own.value() - 0.1).abs() < 4.0 * own.std().expect("a std"), "{own:?}");
+    assert!(near(&even.white_rms_nt, 0.1, 4.0), "{:?}", even.white_rms_nt);
 }

@@ -1,9 +1,11 @@
 //! Coverage of trend and yearly term of weekly offsets that wander by more or less than their own errors.
 //! FLUXCAL_CAMPAIGNS sets how many campaigns.
 
-use common::{Axis, Document, OffsetDrift};
+use common::{Axis, OffsetDrift};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+
+use crate::build;
 
 const DATES: usize = 53;
 const WEEK_S: f64 = 604_800.0;
@@ -21,17 +23,12 @@ fn drift(wander: &Value, seed: u64) -> OffsetDrift {
         "truth": {"shield_field_nt": {"x": 2.1, "y": -1.4, "z": 3.2}, "offset_wander": wander},
         "procedures": [{"procedure": "offset_drift", "id": "drift", "pairs": PAIRS, "dates": DATES}]
     });
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let campaign = simulate::campaign(&plan).expect("simulated");
-    let found: Document =
-        sensorcal::run(campaign.document, &sensorcal::Options::default()).expect("calibrated");
-    let calibration = found.calibration.expect("a calibration");
-    *calibration.sensor(Axis::X).expect("sensor x").drift.clone().expect("a drift")
+    let found = build::calibrated(build::simulated(&plan).document);
+    *build::of(&found, Axis::X).drift.clone().expect("a drift")
 }
 
-/// Share of the campaigns in which the intervals of trend, cosine and sine hold zero.
-fn covered(wander: &Value) -> [usize; 3] {
-    let count = testkit::campaigns(40);
+/// Whether the intervals of trend, cosine and sine hold zero, in each of the campaigns.
+fn covered(wander: &Value) -> [Vec<bool>; 3] {
     let held = |seed: u64| {
         let drift = drift(wander, seed);
         let annual = drift.annual.expect("a yearly term");
@@ -41,8 +38,8 @@ fn covered(wander: &Value) -> [usize; 3] {
             quantity.value().abs() <= half
         })
     };
-    let all: Vec<[bool; 3]> = (0..count).into_par_iter().map(held).collect();
-    [0, 1, 2].map(|which| all.iter().filter(|held| held[which]).count())
+    let all: Vec<[bool; 3]> = (0..testkit::campaigns(40)).into_par_iter().map(held).collect();
+    [0, 1, 2].map(|which| all.iter().map(|held| held[which]).collect())
 }
 
 /// The interval says "at least": 93 % or more whatever the wander is, and no more than 97 % where a random
@@ -65,13 +62,10 @@ fn trend_and_year_cover_whatever_wanders() {
         ("a random walk of 16", walk(16.0), 0.97),
         ("a random walk of 256", walk(256.0), 0.97),
     ];
-    let count = testkit::campaigns(40) as usize;
     let (mut outside, judged) = (Vec::new(), 3 * cases.len());
     for (name, wander, most) in cases {
-        let held = covered(&wander);
-        println!("{name}: trend, cosine, sine {held:?} of {count}");
-        if held.iter().any(|held| !testkit::agrees(*held, count, [0.93, most], judged)) {
-            outside.push(format!("{name}: {held:?} of {count}"));
+        for (term, held) in ["trend", "cosine", "sine"].iter().zip(covered(&wander)) {
+            outside.extend(build::outside(&format!("{name}: {term}"), &held, [0.93, most], judged));
         }
     }
     assert!(outside.is_empty(), "{}", outside.join("; "));
