@@ -6,7 +6,7 @@ use common::{Axis, Instrument, PhaseResult, Quantity};
 use estimate::sine::{self, Basis, Quantiser, Sine};
 use estimate::stats;
 use nalgebra::{Complex, DMatrix, DVector, Vector3};
-use physics::{Basic, Context, Unit};
+use physics::{Basic, Context};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -35,13 +35,6 @@ pub(crate) struct AcRun {
     sensors: Vec<(Axis, Complex<f64>, f64)>,
 }
 
-/// Where a run stands: number of its recording in the document, and of its orientation.
-#[derive(Clone, Copy)]
-pub(crate) struct Place {
-    pub recording: usize,
-    pub orientation: usize,
-}
-
 /// Sines already fitted to the channels of AC runs. The readings stay the same however often effects are
 /// subtracted, so that each is fitted once.
 #[derive(Default)]
@@ -59,15 +52,12 @@ impl Fits {
         fit: impl FnOnce() -> Result<Sine, Error>,
     ) -> Result<Sine, Error> {
         let key = (recording, column.to_string());
-        let known = self.sines.borrow().get(&key).copied();
-        known.map_or_else(
-            || {
-                let sine = fit()?;
-                self.sines.borrow_mut().insert(key, sine);
-                Ok(sine)
-            },
-            Ok,
-        )
+        if let Some(sine) = self.sines.borrow().get(&key) {
+            return Ok(*sine);
+        }
+        let sine = fit()?;
+        self.sines.borrow_mut().insert(key, sine);
+        Ok(sine)
     }
 
     /// The coefficients of cos ωt and sin ωt in a series of the times of a recording.
@@ -88,9 +78,10 @@ impl Fits {
     }
 }
 
-/// Fits a sine of the known frequency to every channel of a run, less what effects add to it.
+/// Fits a sine of the known frequency to every channel of a run, less what effects add to it. The run stands
+/// where its recording does in the document, in one of the orientations.
 pub(crate) fn run(
-    Place { recording, orientation }: Place,
+    (recording, orientation): (usize, usize),
     hz: f64,
     instrument: Option<&Instrument>,
     context: &Context<'_>,
@@ -147,10 +138,19 @@ pub(crate) fn run(
     let channel = |sensor: Axis| {
         let (name, column) = sensor_column(context.recording, sensor).unwrap_or_default();
         let sensitivity = basic.sensors[sensor.index()].sensitivity;
-        if context.unit.code_width(instrument).is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
-            return Err(hidden(&context.recording.id, sensor));
+        // The converter, in the unit of the readings.
+        let noise = instrument.and_then(|instrument| instrument.noise_of(sensor)?.white_rms_nt);
+        let quantiser = context
+            .unit
+            .code_width(instrument)
+            .map(|step| Quantiser { step, noise: noise.map(|rms| rms / sensitivity.abs()) });
+        if quantiser.is_some() && column.windows(2).all(|pair| pair[0] == pair[1]) {
+            return Err(Error::Unanswerable(format!(
+                "recording \"{}\": the readings of sensor {sensor} stay within one quantisation step of the converter, which hides smaller fields; drive the other coils slightly as well (a dither of a few steps)",
+                context.recording.id
+            )));
         }
-        let sine = fit(column, &name, quantiser(instrument, context.unit, sensor, sensitivity))?;
+        let sine = fit(column, &name, quantiser)?;
         let mut phasor = Complex::new(sine.cos, -sine.sin) * turn * sensitivity;
         if let Some(added_nt) = added.along(recording, sensor) {
             let [cos, sin] = if added_nt.iter().chain(time).all(|value| value.is_finite()) {
@@ -165,25 +165,6 @@ pub(crate) fn run(
     };
     let sensors = sensors.iter().map(|sensor| channel(*sensor)).collect::<Result<_, Error>>()?;
     Ok(AcRun { recording, orientation, hz, drive_nt: Vector3::from(coils.map(|coil| coil * turn)), sensors })
-}
-
-fn hidden(recording: &str, sensor: Axis) -> Error {
-    Error::Unanswerable(format!(
-        "recording \"{recording}\": the readings of sensor {sensor} stay within one quantisation step of the converter, which hides smaller fields; drive the other coils slightly as well (a dither of a few steps)"
-    ))
-}
-
-/// The converter of a sensor, in the unit of its readings.
-fn quantiser(
-    instrument: Option<&Instrument>,
-    unit: Unit,
-    sensor: Axis,
-    sensitivity: f64,
-) -> Option<Quantiser> {
-    let step = unit.code_width(instrument)?;
-    let noise =
-        instrument?.noise_of(sensor).and_then(|noise| noise.white_rms_nt).map(|rms| rms / sensitivity.abs());
-    Some(Quantiser { step, noise })
 }
 
 /// Takes each sensor's phase off its phasors and adds the amplitudes to the readings.

@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, Matrix3};
 use physics::frames::ARCSEC;
 
 use crate::freedom::{residual_field_std, separates_constants};
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, turns};
 use crate::{AxesProblem, Freedom, Observations, Solution};
 
 /// Everything that was assumed, with its bound.
@@ -17,23 +17,17 @@ pub fn list(document: &Document, observations: &Observations, solution: &Solutio
     let shown = observations.sensors.iter().any(|sensor| separates_constants(observations, *sensor));
     if constant && !shown && residual_field_std(document).is_none() {
         let freedom = Freedom { residual_field: Some([f64::INFINITY; 3]), ..solution.freedom.clone() };
+        let is = |unknown| matches!(unknown, Unknown::ResidualField(_));
         list.push(Assumption {
             assumed: "the residual field is zero (no zero or reversed drives were recorded)".into(),
-            arcsec_per_nt: Some(
-                largest(&shift(freedom, &|unknown| matches!(unknown, Unknown::ResidualField(_)))) / ARCSEC,
-            ),
+            arcsec_per_nt: Some(largest(&shift(freedom, &is)) / ARCSEC),
             arcsec_per_arcsec: None,
         });
     }
-    let unstated: Vec<Axis> = observations
-        .sensors
-        .iter()
-        .copied()
-        .filter(|axis| solution.freedom.offsets[axis.index()].is_none())
-        .collect();
-    if constant && !unstated.is_empty() {
+    let unstated = |axis: Axis| solution.freedom.offsets[axis.index()].is_none();
+    if constant && observations.sensors.iter().any(|axis| unstated(*axis)) {
         let freedom = Freedom { offsets: [Some(f64::INFINITY); 3], ..solution.freedom.clone() };
-        let is = |unknown| matches!(unknown, Unknown::Offset(axis) if unstated.contains(&axis));
+        let is = |unknown| matches!(unknown, Unknown::Offset(axis) if unstated(axis));
         list.push(Assumption {
             assumed: "the sensor offsets in the calibration are exact".into(),
             arcsec_per_nt: Some(largest(&shift(freedom, &is)) / ARCSEC),
@@ -42,10 +36,9 @@ pub fn list(document: &Document, observations: &Observations, solution: &Solutio
     }
     if !solution.freedom.orientations {
         let mut uncertain = observations.clone();
-        uncertain
-            .orientations
-            .iter_mut()
-            .for_each(|group| group.orientation.uncertainty = Matrix3::identity());
+        for group in &mut uncertain.orientations {
+            group.orientation.uncertainty = Matrix3::identity();
+        }
         let freedom = Freedom { orientations: true, ..solution.freedom.clone() };
         let is = |unknown| matches!(unknown, Unknown::Correction(..));
         let shift = self::shift(&uncertain, solution, &freedom, &is);
@@ -69,8 +62,7 @@ fn shift(
     let (_, jacobian) = estimate::linearised(&problem, &solution.fit.state);
     let count = problem.readings();
     let out: Vec<usize> = (0..problem.unknowns()).filter(|place| is(problem.meaning()[*place])).collect();
-    let turns: Vec<usize> =
-        (0..solution.meaning.len()).filter(|place| solution.meaning[*place].is_turn()).collect();
+    let turns = turns(&solution.meaning);
     let mut shift = DMatrix::zeros(turns.len(), out.len());
     for (column, place) in out.iter().enumerate() {
         let normal: Vec<f64> = (0..solution.meaning.len())

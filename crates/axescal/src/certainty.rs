@@ -5,7 +5,8 @@ use estimate::Problem;
 use faer::Mat;
 use physics::frames::ARCSEC;
 
-use crate::{AxesProblem, AxesState, Error, Freedom, Observations, rank};
+use crate::unknowns::turns;
+use crate::{AxesProblem, AxesState, Error, Freedom, rank};
 
 /// A reading of less weight than this is left out.
 const NO_WEIGHT: f64 = 1e-2;
@@ -26,17 +27,13 @@ pub(crate) fn check(
     covariance: &Mat<f64>,
     residuals_nt: &[f64],
 ) -> Result<(), Error> {
-    let turns: Vec<usize> = (0..problem.unknowns()).filter(|k| problem.meaning()[*k].is_turn()).collect();
+    let turns = turns(problem.meaning());
     let worst = turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
     if worst <= LARGEST_STD {
         return Ok(());
     }
-    let observations = problem.observations;
-    let readings = &observations.readings;
-    let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
-    let noise_nt = mean_std_nt(problem);
-    if worst / noise_nt * GOOD_NOISE * drive <= LARGEST_STD {
-        return Err(Error::Unanswerable(misfit(observations, residuals_nt, noise_nt, drive)));
+    if worst / mean_std_nt(problem) * GOOD_NOISE * problem.observations.largest_drive_nt() <= LARGEST_STD {
+        return Err(Error::Unanswerable(misfit(problem, residuals_nt)));
     }
     // The weakest combination: a few rounds of the power method on the covariance of the turns.
     let mut weakest = vec![0.0; problem.unknowns()];
@@ -62,22 +59,19 @@ pub(crate) fn rejected(
     weights: &[f64],
     residuals_nt: &[f64],
 ) -> Result<Option<String>, Error> {
-    let observations = problem.observations;
     let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
     if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
-        let readings = &observations.readings;
-        let drive = readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
         return Err(Error::Unanswerable(format!(
             "{} of {} {} to another model than the rest. {}",
             out.len(),
             counted(weights.len(), "reading"),
             plural(out.len(), "belongs", "belong"),
-            misfit(observations, residuals_nt, mean_std_nt(problem), drive)
+            misfit(problem, residuals_nt)
         )));
     }
     Ok((!out.is_empty()).then(|| {
         let mut orientations: Vec<usize> =
-            out.iter().map(|&k| observations.readings[k].orientation + 1).collect();
+            out.iter().map(|&k| problem.observations.readings[k].orientation + 1).collect();
         orientations.sort_unstable();
         orientations.dedup();
         let list: Vec<String> = orientations.iter().map(usize::to_string).collect();
@@ -93,7 +87,8 @@ pub(crate) fn rejected(
 }
 
 /// The orientations would do, the readings do not belong to them.
-fn misfit(observations: &Observations, residuals_nt: &[f64], noise_nt: f64, drive: f64) -> String {
+fn misfit(problem: &AxesProblem<'_>, residuals_nt: &[f64]) -> String {
+    let observations = problem.observations;
     let rms = |orientation: usize| {
         let own =
             observations.readings.iter().zip(residuals_nt).filter(|(r, _)| r.orientation == orientation);
@@ -104,8 +99,8 @@ fn misfit(observations: &Observations, residuals_nt: &[f64], noise_nt: f64, driv
     format!(
         "the readings do not fit the model: they scatter by {} nT where the coils produce {} nT, most in \
          orientation {} (\"{}\", {} nT rms). An orientation may be wrong, transposed or with the wrong recording, or a constant, a frequency or a column may be wrong; --robust and --free-scales may show which",
-        significant(noise_nt, 3),
-        significant(drive, 4),
+        significant(mean_std_nt(problem), 3),
+        significant(observations.largest_drive_nt(), 4),
         worst + 1,
         observations.orientations[worst].recordings[0],
         significant(rms(worst), 3)

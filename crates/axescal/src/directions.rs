@@ -5,24 +5,25 @@ use faer::Mat;
 use nalgebra::Matrix3;
 use physics::frames::tangents;
 
-use crate::Solution;
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, place};
+use crate::{Observations, Solution};
 
-/// The 9×n matrix from the unknowns to the elements of a matrix of directions, column by column.
-pub(crate) fn turns(
-    solution: &Solution,
-    axes: &[Axis],
-    first: impl Fn(Axis) -> Unknown,
-    matrix: &Matrix3<f64>,
-) -> Mat<f64> {
-    let mut map = Mat::zeros(9, solution.meaning.len());
-    for &axis in axes {
-        let Some(place) = solution.meaning.iter().position(|meaning| *meaning == first(axis)) else {
-            continue;
-        };
-        for (k, tangent) in tangents(&matrix.column(axis.index()).into_owned()).iter().enumerate() {
-            (0..3).for_each(|row| map[(3 * axis.index() + row, place + k)] = tangent[row]);
+/// The 9×n matrices from the unknowns to the elements of the directions of sensors and of coils, column by
+/// column.
+pub(crate) fn turns(observations: &Observations, solution: &Solution) -> [Mat<f64>; 2] {
+    let of = |axes: &[Axis], matrix: &Matrix3<f64>, unknown: fn(Axis, usize) -> Unknown| {
+        let mut map = Mat::zeros(9, solution.meaning.len());
+        for &axis in axes {
+            let Some(place) = place(&solution.meaning, unknown(axis, 0)) else { continue };
+            for (k, tangent) in tangents(&matrix.column(axis.index()).into_owned()).iter().enumerate() {
+                (0..3).for_each(|row| map[(3 * axis.index() + row, place + k)] = tangent[row]);
+            }
         }
-    }
-    map
+        map
+    };
+    let state = &solution.fit.state;
+    [
+        of(&observations.sensors, &state.mu, Unknown::Sensor),
+        of(&observations.coils, &state.eta, Unknown::Coil),
+    ]
 }

@@ -68,7 +68,7 @@ const NEGLIGIBLE_NT: f64 = 1e-9;
 /// drive: zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives
 /// alone.
 pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
-    let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
+    let largest = observations.largest_drive_nt();
     let driven = |axis: Axis| f64::from(observations.coils.contains(&axis));
     (0..observations.orientations.len()).any(|orientation| {
         let rows: Vec<[f64; 4]> = observations

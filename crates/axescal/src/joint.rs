@@ -13,7 +13,7 @@ use estimate::stats;
 use faer::{ColRef, Mat};
 
 use crate::drive::{constant, drive};
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, place};
 use crate::{AxesProblem, AxesState, Error, Observations, Solution, directions};
 
 /// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns
@@ -85,20 +85,16 @@ pub(crate) fn adopt(
     solution: &Solution,
     split: &Split,
 ) -> Result<(), Error> {
-    let state = &solution.fit.state;
     let count = solution.meaning.len();
     let mut parameters = Vec::new();
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    let sensors =
-        directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
-    let coils = directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
-    for (name, map) in [("sensors", sensors), ("coils", coils)] {
+    for (name, map) in ["sensors", "coils"].into_iter().zip(directions::turns(observations, solution)) {
         parameters.extend(uncertainty::directions(name));
         rows.extend(covariance::rows(&map));
     }
     // What is to be added to an offset errs against the unknown, the field with it.
     for (path, unknown, sign) in constants(document) {
-        if let Some(place) = solution.meaning.iter().position(|meaning| *meaning == unknown) {
+        if let Some(place) = place(&solution.meaning, unknown) {
             parameters.push(path);
             rows.push((0..count).map(|k| if k == place { sign } else { 0.0 }).collect());
         }

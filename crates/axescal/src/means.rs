@@ -24,6 +24,12 @@ pub(crate) struct Block {
     pub root: DMatrix<f64>,
 }
 
+/// Whether a noise has memory.
+pub(crate) fn has_memory(noise: &Noise) -> bool {
+    let sizes = [noise.flicker_nt2_per_hz_at_1hz, noise.random_walk_nt_per_sqrt_s];
+    sizes.into_iter().flatten().any(|size| size > 0.0)
+}
+
 /// Rows of one drive each, one after the other, and the covariance of their means; None where each row counts
 /// by itself.
 pub(crate) fn means(
@@ -33,13 +39,7 @@ pub(crate) fn means(
     code_nt: f64,
     there: impl Fn(usize) -> bool,
 ) -> Option<(Vec<Range<usize>>, DMatrix<f64>)> {
-    let memory = |noise: &&Noise| {
-        [noise.flicker_nt2_per_hz_at_1hz, noise.random_walk_nt_per_sqrt_s]
-            .into_iter()
-            .flatten()
-            .any(|size| size > 0.0)
-    };
-    let time = time_s.filter(|time| time.len() > 1 && noises.iter().any(memory))?;
+    let time = time_s.filter(|time| time.len() > 1 && noises.iter().any(|noise| has_memory(noise)))?;
     let largest =
         drive_nt.iter().map(|drive| drive.amax()).filter(|size| size.is_finite()).fold(0.0, f64::max);
     let mut drives: Vec<Range<usize>> = Vec::new();

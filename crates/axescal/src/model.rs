@@ -27,6 +27,7 @@ pub struct AxesProblem<'a> {
 }
 
 /// Where each kind of unknown begins in the step; None where it does not move.
+#[derive(Default)]
 struct Places {
     sensor: [Option<usize>; 3],
     coil: [Option<usize>; 3],
@@ -48,15 +49,7 @@ impl<'a> AxesProblem<'a> {
             priors.extend(prior.filter(|std| std.is_finite()).map(|std| (place, 1.0 / std)));
             place
         };
-        let mut place = Places {
-            sensor: [None; 3],
-            coil: [None; 3],
-            sensor_scale: [None; 3],
-            coil_scale: [None; 3],
-            corrections: None,
-            residual_field: None,
-            offset: [None; 3],
-        };
+        let mut place = Places::default();
         for &axis in &observations.sensors {
             place.sensor[axis.index()] = Some(add(Unknown::Sensor(axis, 0), None));
             add(Unknown::Sensor(axis, 1), None);

@@ -6,6 +6,7 @@ use common::number::significant;
 use common::uncertainty::{self, By};
 use common::{AdoptedEffect, Document, Quantity};
 use faer::Mat;
+use indexmap::IndexSet;
 use physics::{EffectInstance, LeftOut, Role};
 
 use crate::added::{Added, Directions, Places, added, effects};
@@ -62,11 +63,10 @@ impl<'a> Modelled<'a> {
     /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each
     /// unit, Δ the change of the readings.
     pub fn by(&self, observations: &Observations, solution: &Solution) -> Result<By, Error> {
-        let adopted: Vec<&AdoptedEffect> =
-            self.document.model.iter().flat_map(|model| &model.effects).collect();
+        let adopted = || self.document.model.iter().flat_map(|model| &model.effects);
         let mut by = Vec::new();
         for (number, effect) in self.effects.iter().enumerate() {
-            let Some(stated) = adopted.iter().find(|one| stands_for(one, effect)) else { continue };
+            let Some(stated) = adopted().find(|one| stands_for(one, effect)) else { continue };
             for (place, info) in effect.kind.parameters().iter().enumerate() {
                 let std = stated.parameters.get(info.name).and_then(Quantity::std).unwrap_or(0.0);
                 if std <= 0.0 || info.role == Role::Epoch {
@@ -100,16 +100,12 @@ impl<'a> Modelled<'a> {
         };
         let mut change: Vec<f64> = observations.readings.iter().zip(&moved.readings).map(change).collect();
         AxesProblem::new(observations, &solution.freedom, solution.noise).whiten(&mut change);
-        let unknowns = solution.meaning.len();
-        let gradient = Mat::from_fn(unknowns, 1, |k, _| {
-            change
-                .iter()
-                .enumerate()
-                .map(|(row, change)| solution.fit.jacobian[(row, k)] * change)
-                .sum::<f64>()
+        let jacobian = &solution.fit.jacobian;
+        let gradient = Mat::from_fn(solution.meaning.len(), 1, |k, _| {
+            change.iter().enumerate().map(|(row, change)| jacobian[(row, k)] * change).sum::<f64>()
         });
         let shift = &solution.covariance * &gradient;
-        Ok((0..unknowns).map(|k| shift[(k, 0)]).collect())
+        Ok(shift.col_as_slice(0).to_vec())
     }
 }
 
@@ -123,24 +119,18 @@ fn stands_for(adopted: &AdoptedEffect, effect: &EffectInstance) -> bool {
 
 /// What is to be said of it.
 fn words(effects: &[EffectInstance], places: &Places, added: &Added) -> Vec<String> {
-    let mut names: Vec<&str> = Vec::new();
-    for name in effects.iter().map(|effect| effect.kind.name()) {
-        if !names.contains(&name) {
-            names.push(name);
-        }
-    }
-    let largest = added.largest();
+    let names: IndexSet<&str> = effects.iter().map(|effect| effect.kind.name()).collect();
+    let names: Vec<&str> = names.into_iter().collect();
     let model = (!names.is_empty()).then(|| format!("{} of the model", names.join(", ")));
     let taken: Vec<String> = places.act().then(|| GRADIENTS.to_string()).into_iter().chain(model).collect();
     let mut words = vec![format!(
         "subtracted from the readings, at most {} nT: {}",
-        significant(largest, 3),
+        significant(added.largest(), 3),
         taken.join(", ")
     )];
-    let mut told: Vec<(&str, &str)> = Vec::new();
+    let mut told: IndexSet<(&str, &str)> = IndexSet::new();
     for LeftOut { recording, who, what } in &added.left_out {
-        if !told.contains(&(who, what)) {
-            told.push((who, what));
+        if told.insert((who, what)) {
             words.push(format!("{who} is not applied in \"{recording}\": {what} is missing"));
         }
     }

@@ -98,6 +98,11 @@ pub struct Observations {
 }
 
 impl Observations {
+    /// The largest field along any coil, nT.
+    pub fn largest_drive_nt(&self) -> f64 {
+        self.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max)
+    }
+
     /// The coil with the largest drive in a reading.
     pub fn main_coil(reading: &Observation) -> Axis {
         Axis::ALL[reading.drive_nt.iamax()]

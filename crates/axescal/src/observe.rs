@@ -86,7 +86,7 @@ pub(crate) fn observe_without(
         match recording.conditions.drive_hz {
             Some(hz) => {
                 let instrument = document.instrument.as_ref();
-                let place = ac::Place { recording: index, orientation };
+                let place = (index, orientation);
                 runs.push(ac::run(place, hz, instrument, &context, &basic, (&all.sensors, added, fits))?);
             }
             None => rows(document, index, orientation, (&context, &basic), added, &mut all),

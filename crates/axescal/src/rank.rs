@@ -2,18 +2,12 @@
 
 use common::Axis;
 use common::number::{counted, fixed};
-use estimate::{Problem, Svd};
+use estimate::Svd;
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{small_rotation, tangents};
 
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, place, turns};
 use crate::{AxesProblem, AxesState, Freedom, NoiseFactors, Observation, Observations};
-
-/// Ways in which directions may turn that no reading shows, over all unknowns.
-pub fn unseen_turns(meaning: &[Unknown], svd: &Svd) -> Vec<Vec<f64>> {
-    let turns: Vec<usize> = (0..meaning.len()).filter(|k| meaning[*k].is_turn()).collect();
-    svd.unseen(&turns)
-}
 
 /// The sentence for a fit whose directions are not all seen.
 pub fn explain(
@@ -23,7 +17,7 @@ pub fn explain(
     unseen: &[Vec<f64>],
 ) -> String {
     let observations = problem.observations;
-    let turns = problem.meaning().iter().filter(|unknown| unknown.is_turn()).count();
+    let turns = turns(problem.meaning()).len();
     let what = match unseen {
         [one] => describe(problem, state, one),
         _ => format!(
@@ -66,31 +60,25 @@ fn common_axis(observations: &Observations) -> Option<Vector3<f64>> {
 /// One unseen combination as a turn of sensors and coils.
 fn describe(problem: &AxesProblem<'_>, state: &AxesState, vector: &[f64]) -> String {
     let observations = problem.observations;
-    let moved = |axes: &[Axis],
-                 matrix: &Matrix3<f64>,
-                 is: fn(Unknown, Axis) -> bool|
-     -> Vec<(Vector3<f64>, Vector3<f64>)> {
-        axes.iter()
-            .map(|&axis| {
-                let direction = matrix.column(axis.index()).into_owned();
-                let place = problem.meaning().iter().position(|&unknown| is(unknown, axis));
-                let change = place.map_or(Vector3::zeros(), |place| {
-                    let [a, b] = tangents(&direction);
-                    a * vector[place] + b * vector[place + 1]
-                });
-                (direction, change)
-            })
-            .collect()
-    };
-    let sensors =
-        moved(&observations.sensors, &state.mu, |unknown, axis| unknown == Unknown::Sensor(axis, 0));
-    let coils = moved(&observations.coils, &state.eta, |unknown, axis| unknown == Unknown::Coil(axis, 0));
-    let part = |name: &str, frame: &str, moved: &[(Vector3<f64>, Vector3<f64>)]| {
+    let part = |name: &str,
+                frame: &str,
+                axes: &[Axis],
+                matrix: &Matrix3<f64>,
+                unknown: fn(Axis, usize) -> Unknown| {
+        let moved = axes.iter().map(|&axis| {
+            let direction = matrix.column(axis.index()).into_owned();
+            let change = place(problem.meaning(), unknown(axis, 0)).map_or(Vector3::zeros(), |place| {
+                let [a, b] = tangents(&direction);
+                a * vector[place] + b * vector[place + 1]
+            });
+            (direction, change)
+        });
+        let moved: Vec<(Vector3<f64>, Vector3<f64>)> = moved.collect();
         let size: f64 = moved.iter().map(|(_, change)| change.norm_squared()).sum();
         if size < 1e-6 {
             return format!("{name}s fixed");
         }
-        match common_turn(moved) {
+        match common_turn(&moved) {
             Some(axis) if moved.len() > 1 => {
                 format!("all {name}s rotating together about the axis {} of {frame}", name_axis(&axis))
             }
@@ -98,7 +86,8 @@ fn describe(problem: &AxesProblem<'_>, state: &AxesState, vector: &[f64]) -> Str
             None => format!("the {name}s rotating against each other"),
         }
     };
-    format!("{} with {}", part("sensor", "SEN", &sensors), part("coil", "GEO", &coils))
+    let sensors = part("sensor", "SEN", &observations.sensors, &state.mu, Unknown::Sensor);
+    format!("{sensors} with {}", part("coil", "GEO", &observations.coils, &state.eta, Unknown::Coil))
 }
 
 /// The unit axis ω with change = ω × direction for all, if there is one.
@@ -174,14 +163,13 @@ fn with_one_more(
     let mut group = more.orientations[0].clone();
     group.orientation.rotation = small_rotation(turn) * group.orientation.rotation;
     more.orientations.push(group);
-    let largest = observations.readings.iter().map(|reading| reading.drive_nt.amax()).fold(0.0, f64::max);
     let like = &observations.readings[0];
     for &coil in &observations.coils {
         for &sensor in &observations.sensors {
             more.readings.push(Observation {
                 orientation: more.orientations.len() - 1,
                 sensor,
-                drive_nt: Vector3::ith(coil.index(), largest),
+                drive_nt: Vector3::ith(coil.index(), observations.largest_drive_nt()),
                 ..like.clone()
             });
         }
@@ -190,13 +178,13 @@ fn with_one_more(
     let mut state = state.clone();
     state.corrections.push(Vector3::zeros());
     let (_, jacobian) = estimate::linearised(&problem, &state);
-    let turns: Vec<usize> = (0..problem.unknowns()).filter(|k| problem.meaning()[*k].is_turn()).collect();
+    let turns = turns(problem.meaning());
     let Ok(svd) = Svd::of(jacobian.as_ref(), estimate::Options::default().rank_tolerance) else {
         return Gain { rank: 0, worst: f64::INFINITY };
     };
     let covariance = svd.covariance();
     Gain {
-        rank: turns.len() - unseen_turns(problem.meaning(), &svd).len(),
+        rank: turns.len() - svd.unseen(&turns).len(),
         worst: turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt(),
     }
 }

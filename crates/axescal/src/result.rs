@@ -8,7 +8,7 @@ use faer::Mat;
 use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
 
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, place};
 use crate::{
     AxesProblem, Error, Observation, Observations, Options, Solution, assumptions, directions, pair, scales,
 };
@@ -24,10 +24,7 @@ pub fn describe(
     options: &Options,
 ) -> Result<AxesCalibration, Error> {
     let state = &solution.fit.state;
-    let sensor_turns =
-        directions::turns(solution, &observations.sensors, |axis| Unknown::Sensor(axis, 0), &state.mu);
-    let coil_turns =
-        directions::turns(solution, &observations.coils, |axis| Unknown::Coil(axis, 0), &state.eta);
+    let [sensor_turns, coil_turns] = directions::turns(observations, solution);
     let covariance = |one: &Mat<f64>, other: &Mat<f64>| one * &solution.covariance * other.transpose();
     let stated = |axes: &[Axis], matrix: &Matrix3<f64>, turns: &Mat<f64>| {
         physics::directions(axes, matrix, &covariance(turns, turns))
@@ -47,8 +44,6 @@ pub fn describe(
         offsets_nt: constants.1,
         scales: options.free_scales.then(|| scales::describe(calibration, observations, solution)),
         pair,
-        known_coils: None,
-        subset: None,
         orientations: orientations(observations, solution),
         phases: observations.phases.clone(),
         fit: Some(fit(observations, solution, options)),
@@ -57,7 +52,7 @@ pub fn describe(
         findings,
         readings: (observations.readings.len() <= MOST_READINGS)
             .then(|| readings(document, observations, solution)),
-        extra: Default::default(),
+        ..AxesCalibration::default()
     })
 }
 
@@ -75,7 +70,7 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
     let unseen = solution.fit.svd.unseen(&places);
     let mut mixed = Vec::new();
     let mut quantity = |value: f64, unknown: Unknown, name: String| -> Option<Quantity> {
-        let place = solution.meaning.iter().position(|meaning| *meaning == unknown)?;
+        let place = place(&solution.meaning, unknown)?;
         if unseen.iter().any(|direction| direction[place].abs() > 1e-3) {
             mixed.push(name);
             return None;
@@ -85,20 +80,13 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
     let state = &solution.fit.state;
     let mut field = PerAxis::default();
     for axis in Axis::ALL {
-        let k = axis.index();
-        *field.entry(axis) = quantity(
-            state.residual_field[k],
-            Unknown::ResidualField(k),
-            format!("{axis} of the residual field"),
-        );
+        let (k, name) = (axis.index(), format!("{axis} of the residual field"));
+        *field.entry(axis) = quantity(state.residual_field[k], Unknown::ResidualField(k), name);
     }
     let mut offsets = PerAxis::default();
     for &axis in observations.sensors.iter().filter(|axis| shown(axis)) {
-        *offsets.entry(axis) = quantity(
-            -state.offsets[axis.index()],
-            Unknown::Offset(axis),
-            format!("the offset of sensor {axis}"),
-        );
+        let (offset, name) = (-state.offsets[axis.index()], format!("the offset of sensor {axis}"));
+        *offsets.entry(axis) = quantity(offset, Unknown::Offset(axis), name);
     }
     if !mixed.is_empty() {
         findings.push(format!(
@@ -106,10 +94,7 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
             mixed.join(", ")
         ));
     }
-    let some = |all: PerAxis<Quantity>| {
-        let any = all.iter().next().is_some();
-        any.then_some(all)
-    };
+    let some = |all: PerAxis<Quantity>| Some(all).filter(|all| all.iter().next().is_some());
     (some(field), some(offsets))
 }
 
@@ -126,20 +111,14 @@ fn orientations(observations: &Observations, solution: &Solution) -> Vec<Orienta
                 .filter(|(reading, _)| reading.orientation == number)
                 .map(|(_, residual)| *residual)
                 .collect();
-            let place =
-                solution.meaning.iter().position(|meaning| *meaning == Unknown::Correction(number, 0));
-            let correction = place.map(|place| {
+            let correction = place(&solution.meaning, Unknown::Correction(number, 0)).map(|place| {
                 let uncertainty = &group.orientation.uncertainty;
                 let turn = uncertainty * solution.fit.state.corrections[number] / ARCSEC;
                 let block = Matrix3::from_fn(|i, j| solution.covariance[(place + i, place + j)]);
                 let covariance = uncertainty * block * uncertainty.transpose();
-                Axis::ALL
-                    .into_iter()
-                    .map(|axis| {
-                        let k = axis.index();
-                        (axis, Quantity::new(turn[k], covariance[(k, k)].max(0.0).sqrt() / ARCSEC))
-                    })
-                    .collect()
+                let std = |k: usize| covariance[(k, k)].max(0.0).sqrt() / ARCSEC;
+                let of = |axis: Axis| (axis, Quantity::new(turn[axis.index()], std(axis.index())));
+                Axis::ALL.into_iter().map(of).collect()
             });
             OrientationResult {
                 recordings: group.recordings.clone(),

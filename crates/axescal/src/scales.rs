@@ -9,7 +9,7 @@ use estimate::stats;
 use faer::Mat;
 use nalgebra::{DMatrix, DVector};
 
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, place};
 use crate::{Observations, Solution};
 
 /// Disagreements below this probability are called so.
@@ -29,12 +29,12 @@ pub fn describe(
     let sensors = group(
         &observations.sensors,
         |axis| (state.sensor_scale[axis.index()], sensitivity(axis).and_then(Quantity::relative_std)),
-        |axis| place(solution, Unknown::SensorScale(axis)),
+        |axis| place(&solution.meaning, Unknown::SensorScale(axis)),
     );
     let coils = group(
         &observations.coils,
         |axis| (state.coil_scale[axis.index()], coil_constant(axis).and_then(Quantity::relative_std)),
-        |axis| place(solution, Unknown::CoilScale(axis)),
+        |axis| place(&solution.meaning, Unknown::CoilScale(axis)),
     );
     let relative = |members: &[Member]| -> PerAxis<ScaleResult> {
         let share = 1.0 / members.len() as f64;
@@ -175,8 +175,4 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
         significant(chi_squared, 3),
         p_value(p)
     )
-}
-
-fn place(solution: &Solution, unknown: Unknown) -> Option<usize> {
-    solution.meaning.iter().position(|meaning| *meaning == unknown)
 }

@@ -7,7 +7,7 @@ use faer::Mat;
 
 use crate::scatter::{self, Settled};
 use crate::start::{self, Beginning};
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, turns};
 use crate::{
     AxesProblem, AxesState, Error, Freedom, NoiseFactors, NoiseSource, Observations, Options, certainty,
     freedom, priors, rank, readings,
@@ -61,7 +61,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     let freedom = freedom::freedom(document, observations, options)?;
     let problem = AxesProblem::new(observations, &freedom, NoiseFactors::ONE);
     let plain = first_fit(&problem, start)?;
-    let unseen = rank::unseen_turns(problem.meaning(), &plain.svd);
+    let unseen = plain.svd.unseen(&turns(problem.meaning()));
     if !unseen.is_empty() {
         return Err(Error::Unanswerable(rank::explain(&problem, &freedom, &plain.state, &unseen)));
     }

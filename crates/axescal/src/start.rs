@@ -93,14 +93,12 @@ fn first_model(
 ) -> Result<AxesState, Error> {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| -> Result<_, Error> {
-        let mut matrix =
-            from.and_then(|part| part.matrix).map(|rows| frames::matrix(&rows)).ok_or_else(|| {
-                Error::document(
-                    format!("calibration.axes.{part}.matrix"),
-                    "nothing",
-                    format!("a 3x3 matrix whose columns are unit vectors, which {why} asks for"),
-                )
-            })?;
+        let Some(rows) = from.and_then(|part| part.matrix) else {
+            let path = format!("calibration.axes.{part}.matrix");
+            let expected = format!("a 3x3 matrix whose columns are unit vectors, which {why} asks for");
+            return Err(Error::document(path, "nothing", expected));
+        };
+        let mut matrix = frames::matrix(&rows);
         // Of length one but for the digits that are written: a document is held to that when it is read.
         for mut column in matrix.column_iter_mut() {
             column.normalize_mut();

@@ -115,3 +115,13 @@ impl Unknown {
         matches!(self, Unknown::Sensor(..) | Unknown::Coil(..))
     }
 }
+
+/// The place of an unknown among all.
+pub fn place(all: &[Unknown], unknown: Unknown) -> Option<usize> {
+    all.iter().position(|one| *one == unknown)
+}
+
+/// The places of those that turn a direction.
+pub fn turns(all: &[Unknown]) -> Vec<usize> {
+    (0..all.len()).filter(|k| all[*k].is_turn()).collect()
+}

@@ -42,41 +42,15 @@ pub fn ordinary() -> Value {
 #[derive(Deserialize, Default)]
 #[serde(default)]
 struct Planned {
-    timing: Timing,
+    timing: Times,
     procedures: Vec<Procedure>,
-}
-
-/// The keys of simulate's `timing`, with its defaults.
-#[derive(Deserialize)]
-#[serde(default)]
-struct Timing {
-    field_settle_s: f64,
-    reading_s: f64,
-    orientation_s: f64,
-    theodolite_s: f64,
-    temperature_settle_s: f64,
-}
-
-impl Default for Timing {
-    fn default() -> Self {
-        Self {
-            field_settle_s: 10.0,
-            reading_s: 1.0,
-            orientation_s: 900.0,
-            theodolite_s: 180.0,
-            temperature_settle_s: 1800.0,
-        }
-    }
 }
 
 #[derive(Deserialize)]
 struct Procedure {
     procedure: String,
-    #[serde(default)]
     deviations_k: Option<Vec<f64>>,
-    #[serde(default)]
     parts: Option<Vec<String>>,
-    #[serde(default)]
     sensors: Option<Vec<Axis>>,
 }
 
@@ -99,15 +73,13 @@ pub fn given(plan: &Value) -> Result<Given, common::Error> {
     };
     let mut coil_nt = [0.0; 3];
     for axis in Axis::ALL {
-        let path = format!("facility.coils.{axis}.max_nt");
         let largest = coil(axis).and_then(|coil| coil.max_nt).filter(|max| *max > 0.0 && max.is_finite());
-        coil_nt[axis.index()] = largest.map(|max| max.min(range)).ok_or_else(|| {
-            common::Error::document(
-                path,
-                "no positive number",
-                "the largest field of the coil, or --drive-nt",
-            )
-        })?;
+        let Some(largest) = largest else {
+            let path = format!("facility.coils.{axis}.max_nt");
+            let expected = "the largest field of the coil, or --drive-nt";
+            return Err(common::Error::document(path, "no positive number", expected));
+        };
+        coil_nt[axis.index()] = largest.min(range);
     }
     let noise = instrument.noise.as_ref().ok_or_else(|| {
         common::Error::document("instrument.noise", "nothing", "the noise of a reading, or --noise-nt")
@@ -120,12 +92,12 @@ pub fn given(plan: &Value) -> Result<Given, common::Error> {
         let std = coil(axis)?.gradient_nt_per_m_a.as_ref()?.std()?;
         Some(std / constant(axis)?.value().abs())
     };
+    let position = |axis: Axis| instrument.positions_m.as_ref()?.get(axis).copied();
     let width = instrument
         .quantisation_v
         .zip(sensitivity(Axis::X).map(Quantity::value).or(instrument.nominal_sensitivity_nt_per_v))
         .map(|(step, sensitivity)| step * sensitivity.abs());
-    let Timing { field_settle_s, reading_s, orientation_s, theodolite_s, temperature_settle_s } =
-        planned.timing;
+    let temperature_levels = planned.procedures.iter().map(Procedure::levels).sum();
     Ok(Given {
         coil_nt,
         noise: Axis::ALL.map(|axis| noise.of(axis).cloned().unwrap_or_default()),
@@ -138,17 +110,8 @@ pub fn given(plan: &Value) -> Result<Given, common::Error> {
         residual_field_nt: facility.residual_field_std_nt.filter(|std| *std > 0.0),
         offset_nt: offsets.map(|all| all.into_iter().fold(0.0, f64::max)),
         gradient_per_m: Axis::ALL.map(|axis| gradient(axis).unwrap_or(0.0)),
-        positions_m: Axis::ALL.map(|axis| {
-            instrument.positions_m.as_ref().and_then(|all| all.get(axis)).copied().unwrap_or([0.0; 3])
-        }),
-        times: Times {
-            orientation_s,
-            theodolite_s,
-            settle_s: field_settle_s,
-            reading_s,
-            temperature_s: temperature_settle_s,
-            temperature_levels: planned.procedures.iter().map(Procedure::levels).sum(),
-        },
+        positions_m: Axis::ALL.map(|axis| position(axis).unwrap_or([0.0; 3])),
+        times: Times { temperature_levels, ..planned.timing },
     })
 }
 
@@ -166,13 +129,12 @@ impl Procedure {
 
 /// The part of a plan that makes these recordings.
 pub fn procedure(given: &Given, candidates: &[Matrix3<f64>], recordings: &Recordings) -> Value {
-    let rotations: Vec<Matrix3<f64>> = recordings.orientations.iter().map(|one| candidates[*one]).collect();
     let drives: Vec<[f64; 3]> =
         given.drives(&recordings.setting).iter().map(|drive| (*drive).into()).collect();
     json!({
         "procedure": common::procedure::AXES_ORIENTATION,
         "id": "axes",
-        "orientations": listed(&rotations),
+        "orientations": listed(candidates, &recordings.orientations),
         "drive_nt": given.coil_nt.into_iter().fold(0.0, f64::max),
         "drives": drives,
         "repeats": recordings.setting.readings,

@@ -7,13 +7,14 @@ use nalgebra::{Matrix3, Vector3};
 use physics::frames;
 use program::pipe::{self, Input};
 use program::{apart, number};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use super::basis;
 use super::ranking::{Design, ErrorModel, design};
 use super::report::{self, Request};
+use crate::Error;
 
 /// What is asked of `axescal design`.
 #[derive(Args, Clone, Debug)]
@@ -112,7 +113,7 @@ enum Of {
 }
 
 /// Runs the command: JSON to standard output, the table to standard error.
-pub fn main(arguments: &Arguments) -> Result<(), common::Error> {
+pub fn main(arguments: &Arguments) -> Result<(), Error> {
     apart::from_document("--write-plan", arguments.write_plan.as_deref(), arguments.output.as_deref())?;
     let candidates = candidates(&arguments.candidates)?;
     let (design, words) = match arguments.number {
@@ -151,15 +152,11 @@ pub fn main(arguments: &Arguments) -> Result<(), common::Error> {
 
 impl Arguments {
     /// What --number counts with.
-    fn error_model(&self) -> Result<ErrorModel, common::Error> {
+    fn error_model(&self) -> Result<ErrorModel, Error> {
         let drive_nt = match self.drive_nt.as_slice() {
             [] => 50_000.0,
             [drive] => *drive,
-            _ => {
-                return Err(common::Error::Request(
-                    "with --number, --drive-nt is one number for all coils".into(),
-                ));
-            }
+            _ => return Err(Error::Request("with --number, --drive-nt is one number for all coils".into())),
         };
         Ok(ErrorModel {
             noise_nt: self.noise_nt.unwrap_or(1.0),
@@ -170,9 +167,9 @@ impl Arguments {
     }
 
     /// The plan from the file, or the ordinary one, with what the options state.
-    fn basis(&self) -> Result<Value, common::Error> {
+    fn basis(&self) -> Result<Value, Error> {
         if self.confidence >= 1.0 {
-            return Err(common::Error::Request(format!(
+            return Err(Error::Request(format!(
                 "--confidence {}: a probability is below 1, 0.95 for example",
                 bare(self.confidence)
             )));
@@ -185,11 +182,11 @@ impl Arguments {
             None => basis::ordinary(),
         };
         if !plan.is_object() {
-            return Err(common::Error::Request("--plan: no plan, which is a JSON object".into()));
+            return Err(Error::Request("--plan: no plan, which is a JSON object".into()));
         }
         let mut state = |part: &str, key: &str, value: Option<f64>| {
             if let Some(value) = value {
-                object(&mut plan, part).insert(key.into(), value.into());
+                object(&mut plan, part)[key] = value.into();
             }
         };
         state("facility", "theodolite_arcsec", self.theodolite_arcsec);
@@ -205,53 +202,42 @@ impl Arguments {
         if let Some(width) = self.quantisation_nt {
             let (key, width) =
                 nominal.map_or(("quantisation_nt", width), |nominal| ("quantisation_v", width / nominal));
-            object(&mut plan, "instrument").insert(key.into(), width.into());
+            object(&mut plan, "instrument")[key] = width.into();
         }
         if self.noise_nt.is_some() || self.flicker_nt2_per_hz.is_some() {
             let mut noise = basis::noise(&plan);
             noise.white_rms_nt = self.noise_nt.or(noise.white_rms_nt);
             noise.flicker_nt2_per_hz_at_1hz = self.flicker_nt2_per_hz.or(noise.flicker_nt2_per_hz_at_1hz);
-            object(&mut plan, "instrument").insert("noise".into(), value(&noise));
+            object(&mut plan, "instrument")["noise"] = value(&noise);
         }
         if let Some(distance) = self.sensor_distance_m {
-            let places =
+            object(&mut plan, "instrument")["positions_m"] =
                 json!({"x": [distance, 0.0, 0.0], "y": [0.0, distance, 0.0], "z": [0.0, 0.0, distance]});
-            object(&mut plan, "instrument").insert("positions_m".into(), places);
         }
         self.coils(&mut plan)?;
         Ok(plan)
     }
 
     /// What the options state of the coils.
-    fn coils(&self, plan: &mut Value) -> Result<(), common::Error> {
+    fn coils(&self, plan: &mut Value) -> Result<(), Error> {
         let drive_nt = match *self.drive_nt.as_slice() {
             [] => None,
             [drive] => Some([drive; 3]),
             [x, y, z] => Some([x, y, z]),
-            _ => {
-                return Err(common::Error::Request(
-                    "--drive-nt takes one number, or three with commas".into(),
-                ));
-            }
+            _ => return Err(Error::Request("--drive-nt takes one number, or three with commas".into())),
         };
         for axis in Axis::ALL {
             let constant = &plan["calibration"]["coils"][axis.letter()]["constant_nt_per_a"];
             let constant = constant.as_f64().or(constant["value"].as_f64()).unwrap_or(40_000.0);
-            let coil = ["coils", axis.letter()].into_iter().fold(object(plan, "facility"), |of, key| {
-                let part = of.entry(key).or_insert_with(|| json!({}));
-                if !part.is_object() {
-                    *part = json!({});
-                }
-                part.as_object_mut().expect("an object was put there")
-            });
+            let coil = object(object(object(plan, "facility"), "coils"), axis.letter());
             if let Some(drive_nt) = drive_nt {
-                coil.insert("max_nt".into(), drive_nt[axis.index()].into());
+                coil["max_nt"] = drive_nt[axis.index()].into();
             }
             if let Some(ppm) = self.gradient_ppm_per_m {
-                let known = &coil.get("gradient_nt_per_m_a").cloned().unwrap_or_default();
+                let known = coil.get("gradient_nt_per_m_a").cloned().unwrap_or_default();
                 let value = known.as_f64().or(known["value"].as_f64()).unwrap_or(0.0);
                 let std = ppm * 1e-6 * constant.abs();
-                coil.insert("gradient_nt_per_m_a".into(), json!({"value": value, "std": std}));
+                coil["gradient_nt_per_m_a"] = json!({"value": value, "std": std});
             }
         }
         Ok(())
@@ -263,16 +249,16 @@ fn value<T: serde::Serialize>(of: &T) -> Value {
     serde_json::to_value(of).expect("numbers, texts and lists of them are JSON")
 }
 
-/// An object of the plan, made where there is none.
-fn object<'a>(plan: &'a mut Value, key: &str) -> &'a mut Map<String, Value> {
-    if !plan[key].is_object() {
-        plan[key] = json!({});
+/// An object in another one, made where there is none.
+fn object<'a>(of: &'a mut Value, key: &str) -> &'a mut Value {
+    if !of[key].is_object() {
+        of[key] = json!({});
     }
-    plan[key].as_object_mut().expect("an object was put there")
+    &mut of[key]
 }
 
 /// The orientations that a fixture can take.
-fn candidates(name: &str) -> Result<Vec<Matrix3<f64>>, common::Error> {
+fn candidates(name: &str) -> Result<Vec<Matrix3<f64>>, Error> {
     match name {
         "cube" => Ok(frames::cube_rotations()),
         "octagon" => Ok(octagon()),
@@ -292,7 +278,7 @@ fn octagon() -> Vec<Matrix3<f64>> {
         .collect()
 }
 
-fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, common::Error> {
+fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, Error> {
     let input = Input::read(Some(path))?;
     let list: Vec<Matrix3x3> = common::at_path(&input.text).map_err(|error| input.locate(error))?;
     frames::rotations(&list, &path.display().to_string())

@@ -12,7 +12,7 @@ use crate::means;
 const UNKNOWN: (f64, f64) = (1.0, 1e4);
 
 /// Errors of facility and instrument.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Given {
     /// Largest field of each coil, nT.
     pub coil_nt: [f64; 3],
@@ -44,25 +44,42 @@ pub struct Given {
     pub times: Times,
 }
 
-/// How long things take at the facility.
+/// How long things take at the facility, as `timing` of a plan says, with simulate's defaults.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Times {
     /// Turning the block to another orientation and reading the theodolites once, s.
     pub orientation_s: f64,
     /// Reading the theodolites once more, s.
     pub theodolite_s: f64,
     /// From a change of the drive to the first reading, s.
+    #[serde(rename(deserialize = "field_settle_s"))]
     pub settle_s: f64,
     /// One reading, s.
     pub reading_s: f64,
     /// One level of temperature, s.
+    #[serde(rename(deserialize = "temperature_settle_s"))]
     pub temperature_s: f64,
-    /// Levels of temperature, of all sensors and parts together.
+    /// Levels of temperature, of all sensors and parts together; those of the plan's procedures.
+    #[serde(skip_deserializing)]
     pub temperature_levels: usize,
 }
 
+impl Default for Times {
+    fn default() -> Self {
+        Self {
+            orientation_s: 900.0,
+            theodolite_s: 180.0,
+            settle_s: 10.0,
+            reading_s: 1.0,
+            temperature_s: 1800.0,
+            temperature_levels: 0,
+        }
+    }
+}
+
 /// What is recorded in each setting of the block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Setting {
     /// Readings of each theodolite angle.
     pub theodolite_readings: usize,
@@ -142,11 +159,7 @@ impl Given {
 
     /// Whether noise with memory is declared.
     pub fn has_memory(&self) -> bool {
-        let slow = |noise: &Noise| {
-            let sizes = [noise.flicker_nt2_per_hz_at_1hz, noise.random_walk_nt_per_sqrt_s];
-            sizes.into_iter().flatten().any(|size| size > 0.0)
-        };
-        self.noise.iter().chain([&self.field_noise]).any(slow)
+        self.noise.iter().chain([&self.field_noise]).any(means::has_memory)
     }
 
     /// The same with every noise changed.
@@ -198,7 +211,7 @@ pub fn faces(rotation: &Matrix3<f64>) -> Matrix3<f64> {
     rotation * face_uncertainty([1.0; 4])
 }
 
-/// Rows of matrices, as JSON writes them.
-pub fn listed(rotations: &[Matrix3<f64>]) -> Vec<Matrix3x3> {
-    rotations.iter().map(physics::frames::rows).collect()
+/// Some of the candidates, as JSON writes them.
+pub fn listed(candidates: &[Matrix3<f64>], which: &[usize]) -> Vec<Matrix3x3> {
+    which.iter().map(|one| physics::frames::rows(&candidates[*one])).collect()
 }

@@ -4,8 +4,9 @@ use common::Axis;
 use nalgebra::{DMatrix, Matrix3, SMatrix, Vector3};
 use physics::Unit;
 use physics::frames::Orientation;
+use std::borrow::Borrow;
 
-use crate::unknowns::Unknown;
+use crate::unknowns::{Unknown, place};
 use crate::{
     AxesProblem, AxesState, Freedom, NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup,
     Together,
@@ -53,15 +54,14 @@ pub struct Said {
 }
 
 impl Said {
-    /// Nothing yet.
-    pub fn nothing() -> Self {
-        Self { information: Information::zeros(), gradients: SMatrix::zeros() }
-    }
-
-    /// Adds another orientation.
-    pub fn add(&mut self, other: &Self) {
-        self.information += other.information;
-        self.gradients += other.gradients;
+    /// Of several orientations together.
+    pub fn of(each: impl Iterator<Item = impl Borrow<Self>>) -> Self {
+        let mut sum = Self { information: Information::zeros(), gradients: SMatrix::zeros() };
+        for one in each {
+            sum.information += one.borrow().information;
+            sum.gradients += one.borrow().gradients;
+        }
+        sum
     }
 }
 
@@ -126,9 +126,9 @@ impl Derivatives {
         let problem = AxesProblem::new(&observations, &freedom, NoiseFactors::ONE);
         let state = AxesState::new(Matrix3::identity(), Matrix3::identity(), 1);
         let (_, jacobian) = estimate::linearised(&problem, &state);
-        let place = |unknown: Unknown| problem.meaning().iter().position(|meaning| *meaning == unknown);
         let places = |unknowns: Vec<Unknown>| -> Vec<usize> {
-            unknowns.into_iter().map(|unknown| place(unknown).expect("everything moves")).collect()
+            let place = |unknown: Unknown| place(problem.meaning(), unknown).expect("everything moves");
+            unknowns.into_iter().map(place).collect()
         };
         let mut gradients = DMatrix::zeros(observations.readings.len(), 3);
         for coil in 0..3 {

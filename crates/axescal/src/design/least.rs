@@ -19,7 +19,8 @@ const READINGS: [usize; 8] = [1, 2, 4, 8, 16, 32, 64, 128];
 const MOST_READINGS: usize = 2000;
 /// Of more candidates than this, the first is one of the first three orientations.
 const MANY: usize = 40;
-const THEODOLITE: [usize; 15] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 40, 50];
+const MOST_THEODOLITE: usize = 50;
+const THEODOLITE: [usize; 15] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 40, MOST_THEODOLITE];
 /// A coil is weak when another makes so many times its field.
 const WEAK: f64 = 1.5;
 /// Rounds in which orientations and readings settle.
@@ -133,7 +134,7 @@ impl<'a> Search<'a> {
         // The order in which orientations are added is that of the most that can be done, then that of what
         // was found.
         let most = self.schedules.len() - 1;
-        let mut order = self.order(&self.schedules[most].1, *THEODOLITE.last().unwrap_or(&1), target);
+        let mut order = self.order(&self.schedules[most].1, MOST_THEODOLITE, target);
         for _ in 0..ROUNDS {
             let Some(next) = self.along(&order, target) else { break };
             if found.as_ref().is_some_and(|(hours, _)| next.0 >= *hours) {
@@ -148,10 +149,8 @@ impl<'a> Search<'a> {
             order = self.order(pieces, setting.theodolite_readings, target);
         }
         found.map(|(_, recordings)| recordings).ok_or_else(|| {
-            let best = self.schedules.par_iter().map(|(_, pieces)| {
-                let said = self.said(pieces, *THEODOLITE.last().unwrap_or(&1), &order);
-                target.worst_arcsec(covariance(&said, &self.prior).as_ref())
-            });
+            let all = self.schedules.par_iter();
+            let best = all.map(|(_, pieces)| self.worst_arcsec_of(pieces, MOST_THEODOLITE, &order, target));
             best.reduce(|| f64::INFINITY, f64::min)
         })
     }
@@ -195,8 +194,7 @@ impl<'a> Search<'a> {
         target: &Target,
     ) -> Option<usize> {
         let reaches = |count: usize| {
-            let said = self.said(pieces, theodolite_readings, &order[..count]);
-            target.worst_arcsec(covariance(&said, &self.prior).as_ref()) <= target.arcsec
+            self.worst_arcsec_of(pieces, theodolite_readings, &order[..count], target) <= target.arcsec
         };
         if !reaches(order.len()) {
             return None;
@@ -209,11 +207,16 @@ impl<'a> Search<'a> {
         Some(high)
     }
 
-    fn said(&self, pieces: &[Pieces], theodolite_readings: usize, orientations: &[usize]) -> Said {
+    fn worst_arcsec_of(
+        &self,
+        pieces: &[Pieces],
+        theodolite_readings: usize,
+        orientations: &[usize],
+        target: &Target,
+    ) -> f64 {
         let std = self.given.theodolite_rad(theodolite_readings);
-        let mut said = Said::nothing();
-        orientations.iter().for_each(|orientation| said.add(&pieces[*orientation].said(std)));
-        said
+        let said = Said::of(orientations.iter().map(|orientation| pieces[*orientation].said(std)));
+        target.worst_arcsec(covariance(&said, &self.prior).as_ref())
     }
 
     /// Orientations one after the other, each the one that lowers the largest error most; the first three
@@ -223,8 +226,7 @@ impl<'a> Search<'a> {
         let each: Vec<Said> = pieces.iter().map(|pieces| pieces.said(std)).collect();
         let count = each.len();
         let score = |members: &[usize]| {
-            let mut said = Said::nothing();
-            members.iter().for_each(|member| said.add(&each[*member]));
+            let said = Said::of(members.iter().map(|member| &each[*member]));
             // Twelve digits, so that what is equal but for rounding is equal.
             let worst = target.worst_arcsec(covariance(&said, &self.prior).as_ref());
             let digits = 10f64.powi(11 - worst.log10().floor().clamp(-30.0, 30.0) as i32);
@@ -247,16 +249,12 @@ impl<'a> Search<'a> {
         best
     }
 
-    /// The largest error of recordings, arcsec.
-    pub fn worst_arcsec(&self, recordings: &Recordings, target: &Target) -> f64 {
-        target.worst_arcsec(self.covariance(recordings).as_ref())
-    }
-
-    /// The covariance that recordings give.
-    pub fn covariance(&self, recordings: &Recordings) -> Option<Information> {
-        let setting = &recordings.setting;
-        let pieces = self.given.pieces(self.candidates, setting);
-        covariance(&self.said(&pieces, setting.theodolite_readings, &recordings.orientations), &self.prior)
+    /// The covariance that recordings give, where facility and instrument err as `given` says.
+    pub fn covariance(&self, given: &Given, recordings: &Recordings) -> Option<Information> {
+        let pieces = given.pieces(self.candidates, &recordings.setting);
+        let std = given.theodolite_rad(recordings.setting.theodolite_readings);
+        let said = Said::of(recordings.orientations.iter().map(|orientation| pieces[*orientation].said(std)));
+        covariance(&said, &given.prior())
     }
 
     /// The same recordings with one setting more, in the orientation that helps most.
@@ -267,8 +265,7 @@ impl<'a> Search<'a> {
         };
         let pieces = self.given.pieces(self.candidates, &recordings.setting);
         let worst = |more: &Recordings| {
-            let said = self.said(&pieces, more.setting.theodolite_readings, &more.orientations);
-            target.worst_arcsec(covariance(&said, &self.prior).as_ref())
+            self.worst_arcsec_of(&pieces, more.setting.theodolite_readings, &more.orientations, target)
         };
         let all = (0..self.candidates.len()).map(with);
         all.min_by(|a, b| worst(a).total_cmp(&worst(b))).unwrap_or_else(|| recordings.clone())

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SMatrix};
 use physics::frames::ARCSEC;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::given::{Given, Setting, faces};
 use super::information::{ALL, Derivatives, Information, Said};
@@ -10,7 +10,7 @@ use super::least::{Recordings, Search, Target, block, covariance};
 use super::radius::axes;
 
 /// One source of the error of the direction that errs most.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Limit {
     /// What it is.
     pub source: String,
@@ -21,7 +21,7 @@ pub struct Limit {
 }
 
 /// What a change would give.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct More {
     /// What is changed.
     pub change: String,
@@ -48,8 +48,7 @@ pub fn by_source(search: &Search<'_>, recordings: &Recordings) -> Option<Vec<(St
     let std_rad = own_rad.hypot(shared_rad);
     // The information first: gains need the covariance.
     let pieces = given.pieces(search.candidates, setting);
-    let mut said = Said::nothing();
-    recordings.orientations.iter().for_each(|orientation| said.add(&pieces[*orientation].said(std_rad)));
+    let said = Said::of(recordings.orientations.iter().map(|orientation| pieces[*orientation].said(std_rad)));
     let alone = Said { gradients: SMatrix::zeros(), ..said.clone() };
     let own = covariance(&alone, &prior)?;
     let mut parts: Vec<(String, Information)> = Vec::new();
@@ -78,7 +77,7 @@ pub fn by_source(search: &Search<'_>, recordings: &Recordings) -> Option<Vec<(St
         }
         let gain = DMatrix::from_fn(ALL, ALL, |i, j| own[(i, j)]) * weighed.transpose();
         let turned = &gain * &by_turns;
-        let theodolites = square(&turned);
+        let theodolites = fixed(&(&turned * turned.transpose()));
         add("theodolites, shared error", theodolites * shared_rad * shared_rad);
         add("theodolites, single readings", theodolites * own_rad * own_rad);
         for sensor in 0..3 {
@@ -110,10 +109,6 @@ pub fn by_source(search: &Search<'_>, recordings: &Recordings) -> Option<Vec<(St
     Some(parts)
 }
 
-fn square(moves: &DMatrix<f64>) -> Information {
-    fixed(&(moves * moves.transpose()))
-}
-
 fn fixed(matrix: &DMatrix<f64>) -> Information {
     Information::from_fn(|i, j| matrix[(i, j)])
 }
@@ -143,29 +138,30 @@ pub fn limits(search: &Search<'_>, recordings: &Recordings, target: &Target) -> 
 /// What more recordings and better instruments would give.
 pub fn more(search: &Search<'_>, recordings: &Recordings, target: &Target) -> Vec<More> {
     let before: f64 = recordings.hours(search.given).iter().sum();
+    let worst_arcsec = |given: &Given, recordings: &Recordings| {
+        target.worst_arcsec(search.covariance(given, recordings).as_ref())
+    };
     let Setting { theodolite_readings, cycles, readings, .. } = recordings.setting;
     let with = |setting: Setting| Recordings { setting, ..recordings.clone() };
     let one_more = search.with_one_more(recordings, target);
+    let [theodolite_readings, cycles, readings] = [theodolite_readings, cycles, readings].map(|n| 2 * n);
     let recorded = [
         (format!("one setting more, {} in all", one_more.orientations.len()), one_more),
         (
-            format!("{} theodolite readings in each setting", 2 * theodolite_readings),
-            with(Setting { theodolite_readings: 2 * theodolite_readings, ..recordings.setting }),
+            format!("{theodolite_readings} theodolite readings in each setting"),
+            with(Setting { theodolite_readings, ..recordings.setting }),
         ),
         (
-            format!("the drives {} times in each setting", 2 * cycles),
-            with(Setting { cycles: 2 * cycles, ..recordings.setting }),
+            format!("the drives {cycles} times in each setting"),
+            with(Setting { cycles, ..recordings.setting }),
         ),
-        (
-            format!("{} readings of each drive", 2 * readings),
-            with(Setting { readings: 2 * readings, ..recordings.setting }),
-        ),
+        (format!("{readings} readings of each drive"), with(Setting { readings, ..recordings.setting })),
     ];
     let mut all: Vec<More> = recorded
         .into_iter()
         .map(|(change, recordings)| More {
             change,
-            worst_arcsec: search.worst_arcsec(&recordings, target),
+            worst_arcsec: worst_arcsec(search.given, &recordings),
             hours: recordings.hours(search.given).iter().sum::<f64>() - before,
         })
         .collect();
@@ -204,11 +200,7 @@ pub fn more(search: &Search<'_>, recordings: &Recordings, target: &Target) -> Ve
         if given == *search.given {
             continue;
         }
-        let pieces = given.pieces(search.candidates, &recordings.setting);
-        let std = given.theodolite_rad(theodolite_readings);
-        let mut said = Said::nothing();
-        recordings.orientations.iter().for_each(|orientation| said.add(&pieces[*orientation].said(std)));
-        let worst_arcsec = target.worst_arcsec(covariance(&said, &given.prior()).as_ref());
+        let worst_arcsec = worst_arcsec(&given, recordings);
         all.push(More { change: change.into(), worst_arcsec, hours: 0.0 });
     }
     all

@@ -9,14 +9,14 @@ use common::Matrix3x3;
 use common::number::counted;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use physics::frames::{self, ARCSEC};
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::information::{Pieces, Readings, TURNS};
 use super::search::{Field, Information, Scored};
 use crate::Error;
 
 /// Errors of one reading and of one orientation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ErrorModel {
     /// Noise of one reading, nT.
     pub noise_nt: f64,
@@ -29,7 +29,7 @@ pub struct ErrorModel {
 }
 
 /// The best orientations and what others would give.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Design {
     /// What the readings err by.
     pub error_model: ErrorModel,
@@ -47,7 +47,7 @@ pub struct Design {
 }
 
 /// What one more orientation would buy.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OneMore {
     /// R of the orientation to add.
     pub orientation: Matrix3x3,
@@ -56,7 +56,7 @@ pub struct OneMore {
 }
 
 /// The best set of one size.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     /// Number of orientations.
     pub number: usize,
@@ -82,14 +82,14 @@ pub fn design(
     let sizes: Vec<(usize, Scored, &str)> = (2..=last).map(|size| field.best(size)).collect();
     let best = sizes.iter().find(|(size, ..)| *size == number).map(|(_, best, _)| best.clone());
     let best = best.filter(|best| best.worst.is_finite()).ok_or_else(|| {
+        let why = if number < 3 {
+            "two never suffice, three do when their rotations are about two different axes"
+        } else {
+            "their rotations must be about at least two different axes"
+        };
+        let of = candidates.len();
         Error::Unanswerable(format!(
-            "no {number} of the {} candidate orientations determine the directions; {}",
-            candidates.len(),
-            if number < 3 {
-                "two never suffice, three do when their rotations are about two different axes".to_string()
-            } else {
-                "their rotations must be about at least two different axes".to_string()
-            }
+            "no {number} of the {of} candidate orientations determine the directions; {why}"
         ))
     })?;
     let more = (0..candidates.len())

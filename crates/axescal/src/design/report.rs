@@ -1,10 +1,10 @@
 //! A design as it is written and said.
 
 use common::number::{bare, counted, figures, significant};
-use common::{Matrix3x3, OneOrEach};
+use common::{Axis, Matrix3x3, OneOrEach};
 use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -19,7 +19,7 @@ use crate::Error;
 const TABLE_ARCSEC: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 
 /// What is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Request {
     /// Error of a direction, arcsec.
     pub target_arcsec: f64,
@@ -30,7 +30,7 @@ pub struct Request {
 }
 
 /// The recordings of the least time, what they reach, and what limits it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// What was asked for.
     #[serde(flatten)]
@@ -54,7 +54,7 @@ pub struct Plan {
 }
 
 /// What is recorded for the directions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recorded {
     /// Settings of the block.
     pub settings: usize,
@@ -70,7 +70,7 @@ pub struct Recorded {
 }
 
 /// Time at the facility, h.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Hours {
     /// Turning the block, with the first reading of the theodolites.
     pub orientations: f64,
@@ -92,7 +92,7 @@ impl Hours {
 }
 
 /// Errors of the directions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Predicted {
     /// Of the sensors.
     pub sensors: Directions,
@@ -103,7 +103,7 @@ pub struct Predicted {
 }
 
 /// Errors of three directions.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Directions {
     /// Largest standard deviation over all ways it may turn, arcsec: what axescal will state.
     pub std_arcsec: OneOrEach,
@@ -112,7 +112,7 @@ pub struct Directions {
 }
 
 /// What a target costs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
     /// The target, arcsec.
     pub target_arcsec: f64,
@@ -141,14 +141,11 @@ pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Res
     let search = Search::new(given, candidates);
     let asked = target(request.target_arcsec);
     let recordings = search.least(&asked).map_err(|best| out_of_reach(request, best))?;
-    let covariance = search.covariance(&recordings).ok_or_else(|| out_of_reach(request, f64::INFINITY))?;
+    let covariance =
+        search.covariance(given, &recordings).ok_or_else(|| out_of_reach(request, f64::INFINITY))?;
     let each = |first: usize, of: &dyn Fn([[f64; 2]; 2]) -> f64| {
-        OneOrEach::Each(
-            common::Axis::ALL
-                .into_iter()
-                .map(|axis| (axis, of(block(&covariance, first + 2 * axis.index())) / ARCSEC))
-                .collect(),
-        )
+        let of = |axis: Axis| (axis, of(block(&covariance, first + 2 * axis.index())) / ARCSEC);
+        OneOrEach::Each(Axis::ALL.into_iter().map(of).collect())
     };
     let directions = |first: usize| Directions {
         std_arcsec: each(first, &|block| axes(block)[0]),
@@ -166,12 +163,11 @@ pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Res
             setting: found.map(|found| found.setting),
         }
     };
-    let rotations: Vec<Matrix3<f64>> = recordings.orientations.iter().map(|one| candidates[*one]).collect();
     Ok(Plan {
         request,
         recordings: Recorded {
             settings: recordings.orientations.len(),
-            orientations: listed(&rotations),
+            orientations: listed(candidates, &recordings.orientations),
             setting: recordings.setting,
             drives: given.drives(&recordings.setting).len(),
             drive_nt: given.coil_nt,
@@ -217,7 +213,7 @@ pub fn words(plan: &Plan) -> String {
     );
     let Setting { theodolite_readings, cycles, weakest_coil, readings } = recordings.setting;
     let of_weakest = if weakest_coil > 1 {
-        let weakest = common::Axis::ALL[plan.given.weakest()];
+        let weakest = Axis::ALL[plan.given.weakest()];
         format!(" ({} of them of coil {weakest})", 2 * weakest_coil * cycles)
     } else {
         String::new()
@@ -241,17 +237,11 @@ pub fn words(plan: &Plan) -> String {
     }
     let _ = writeln!(text, "  hours: {}", items.join(", "));
     for (kind, directions) in [("sensors", &predicted.sensors), ("coils", &predicted.coils)] {
-        let each: Vec<String> = common::Axis::ALL
-            .into_iter()
-            .map(|axis| {
-                let of = |all: &OneOrEach| all.get(axis).unwrap_or(0.0);
-                format!(
-                    "{axis} {}\" (σ {}\")",
-                    figures(of(&directions.within_arcsec), 3),
-                    figures(of(&directions.std_arcsec), 2)
-                )
-            })
-            .collect();
+        let each = Axis::ALL.map(|axis| {
+            let of = |all: &OneOrEach, digits: usize| figures(all.get(axis).unwrap_or(0.0), digits);
+            let (within, std) = (of(&directions.within_arcsec, 3), of(&directions.std_arcsec, 2));
+            format!("{axis} {within}\" (σ {std}\")")
+        });
         let _ = writeln!(text, "  {kind} within: {}", each.join(", "));
     }
     let shares: Vec<String> = plan
