@@ -1,54 +1,41 @@
 //! AC drive: amplitudes below one code of the converter are found with the dither of the other coils.
 
-use axescal::Options;
-use common::Document;
-use nalgebra::Matrix3;
-use physics::frames::{ARCSEC, angle, matrix};
+use physics::frames::matrix;
 
+use crate::build::{self, axes, matrices, procedure, refused, says, simulated, solved, worst_arcsec};
+
+/// With exact theodolites and no codes, unless a test says otherwise.
 fn plan() -> simulate::Plan {
-    simulate::Plan::parse(&testkit::read_fixture("plans/magsat-axes-ac.json")).expect("a plan")
+    let mut plan = build::plan("magsat-axes-ac");
+    plan.facility = None;
+    plan.instrument.as_mut().expect("an instrument").quantisation_v = None;
+    plan
 }
 
-/// Largest angle between the found and the true directions of sensors and coils, arcsec.
-fn worst_arcsec(document: &Document, truth: &simulate::Truth) -> f64 {
-    let found = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
-    let meant = truth.calibration.axes.as_ref().expect("true axes");
-    let pair = |part: fn(&common::AxesCalibration) -> Option<&common::AxesDirections>| -> (Matrix3<f64>, Matrix3<f64>) {
-        let of = |axes| matrix(&part(axes).and_then(|directions| directions.matrix).expect("a matrix"));
-        (of(found), of(meant))
-    };
-    [pair(|axes| axes.sensors.as_ref()), pair(|axes| axes.coils.as_ref())]
-        .iter()
-        .flat_map(|(found, meant)| {
-            (0..3).map(|k| angle(&found.column(k).into_owned(), &meant.column(k).into_owned()) / ARCSEC)
-        })
-        .fold(0.0, f64::max)
+/// Cycles, samples a second and dither of the runs.
+fn runs(plan: &mut simulate::Plan, cycles: f64, rate_hz: f64, dither_nt: Option<f64>) {
+    let ac = procedure(plan).ac.as_mut().expect("an AC drive");
+    (ac.cycles, ac.rate_hz) = (cycles, rate_hz);
+    ac.dither_nt = dither_nt.unwrap_or(ac.dither_nt);
 }
 
 #[test]
 fn signals_below_one_code_are_found_with_dither() {
     // 100 cycles at 0.1 Hz sampled at 100 Hz, codes of 1.92 nT, cross signals of 0.5 to 2 nT: twelve runs of
     // 100 000 rows. Exact theodolites, so that what is seen is what the sine fits lose.
-    let mut plan = plan();
+    let mut plan = build::plan("magsat-axes-ac");
     plan.facility = None;
-    let with_dither = simulate::campaign(&plan).expect("simulated");
+    let with_dither = simulated(&plan);
     assert_eq!(with_dither.document.recordings[0].rows(), 100_000);
-    let document = axescal::run(with_dither.document, &Options::default()).expect("directions");
-    let dithered = worst_arcsec(&document, &with_dither.truth);
+    let dithered = worst_arcsec(&solved(with_dither.document), &with_dither.truth);
     assert!(dithered < 0.5, "{dithered} arcsec with dither");
 }
 
 #[test]
 fn the_delay_of_a_channel_is_reported_as_a_phase_and_does_no_harm() {
     let mut plan = plan();
-    plan.facility = None;
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        let ac = axes.ac.as_mut().expect("an AC drive");
-        (ac.cycles, ac.rate_hz) = (20.0, 20.0);
-    }
-    let instrument = plan.instrument.as_mut().expect("an instrument");
-    instrument.quantisation_v = None;
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+    runs(&mut plan, 20.0, 20.0, None);
+    let simulate::Campaign { mut document, truth } = simulated(&plan);
     // Sensor y answers 10 ms late: its readings are those of an earlier time. A pure sine lets that be made
     // by its phase.
     for recording in &mut document.recordings {
@@ -60,46 +47,33 @@ fn the_delay_of_a_channel_is_reported_as_a_phase_and_does_no_harm() {
         *column =
             column.iter().zip(ahead).map(|(now, before)| now * phase.cos() + before * phase.sin()).collect();
     }
-    let document = axescal::run(document, &Options::default()).expect("directions");
-    let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
-    let delays: Vec<(f64, f64)> = axes.phases.iter().map(|phase| (phase.delay_s, phase.p_value)).collect();
+    let document = solved(document);
+    let phases = axes(&document).phases.iter();
+    let delays: Vec<(f64, f64)> = phases.map(|phase| (phase.delay_s, phase.p_value)).collect();
     assert!((delays[1].0 - 0.010).abs() < 1e-5 && delays[1].1 < 1e-6, "{delays:?}");
     assert!(delays[0].0.abs() < 1e-5 && delays[0].1 > 1e-4, "{delays:?}");
-    assert!(
-        axes.findings.iter().any(|finding| finding.contains("sensor y responds")
-            && finding.contains("equivalent to a delay of 10 ms")),
-        "{:?}",
-        axes.findings
-    );
+    let findings = &axes(&document).findings;
+    let said = findings.iter().find(|finding| finding.contains("sensor y responds")).expect("said");
+    assert!(said.contains("equivalent to a delay of 10 ms"), "{findings:?}");
     assert!(worst_arcsec(&document, &truth) < 1.0);
 }
 
 #[test]
 fn coils_out_of_phase_are_taken_as_they_are() {
     let mut plan = plan();
-    plan.facility = None;
-    let instrument = plan.instrument.as_mut().expect("an instrument");
-    instrument.quantisation_v = None;
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        let ac = axes.ac.as_mut().expect("an AC drive");
-        (ac.cycles, ac.rate_hz, ac.dither_nt) = (20.0, 20.0, 0.0);
-        axes.drives =
-            [[5e4, 2e4, 0.0], [0.0, 5e4, 2e4], [2e4, 0.0, 5e4]].map(simulate::Drive::Vector).to_vec();
-    }
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+    runs(&mut plan, 20.0, 20.0, Some(0.0));
+    procedure(&mut plan).drives =
+        [[5e4, 2e4, 0.0], [0.0, 5e4, 2e4], [2e4, 0.0, 5e4]].map(simulate::Drive::Vector).to_vec();
+    let simulate::Campaign { mut document, truth } = simulated(&plan);
     // The second coil of each run is set 0.5 rad behind; the readings are made again by the same linear
     // chain.
-    let (mu, eta) = {
-        let axes = truth.calibration.axes.as_ref().expect("true axes");
-        let of = |part: &Option<common::AxesDirections>| {
-            let mut matrix = matrix(&part.as_ref().and_then(|part| part.matrix).expect("a matrix"));
-            matrix.column_iter_mut().for_each(|mut column| {
-                column.normalize_mut();
-            });
-            matrix
-        };
-        (of(&axes.sensors), of(&axes.coils))
-    };
+    let true_axes = truth.calibration.axes.as_ref().expect("true axes");
+    let [mu, eta] = matrices(true_axes).map(|mut matrix| {
+        for mut column in matrix.column_iter_mut() {
+            column.normalize_mut();
+        }
+        matrix
+    });
     for recording in &mut document.recordings {
         let rotation = matrix(&recording.conditions.orientation.expect("an orientation"));
         let time = recording.columns["time_s"].clone();
@@ -126,24 +100,19 @@ fn coils_out_of_phase_are_taken_as_they_are() {
             recording.columns.insert(format!("sensor_{axis}_v"), values.collect());
         }
     }
-    let document = axescal::run(document, &Options::default()).unwrap_or_else(|error| panic!("{error}"));
+    let document = solved(document);
     assert!(worst_arcsec(&document, &truth) < 1e-3, "{}", worst_arcsec(&document, &truth));
-    let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
-    assert!(axes.findings.iter().all(|finding| !finding.contains("answers")), "{:?}", axes.findings);
+    assert!(!says(&document, "answers"), "{:?}", axes(&document).findings);
 }
 
 #[test]
 fn a_channel_that_never_leaves_its_code_asks_for_dither() {
-    let mut plan = plan();
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        let ac = axes.ac.as_mut().expect("an AC drive");
-        (ac.cycles, ac.rate_hz, ac.dither_nt) = (10.0, 10.0, 0.0);
-    }
+    let mut plan = build::plan("magsat-axes-ac");
+    runs(&mut plan, 10.0, 10.0, Some(0.0));
     plan.instrument.as_mut().expect("an instrument").noise = None;
     // Cross signals of about half a nT below codes of 1.92 nT.
     plan.truth.calibration = None;
-    let document = simulate::campaign(&plan).expect("simulated").document;
-    let error = axescal::run(document, &Options::default()).expect_err("hidden").to_string();
+    let error = refused(simulated(&plan).document);
     assert!(
         error.contains("stay within one quantisation step of the converter") && error.contains("dither"),
         "{error}"
@@ -153,25 +122,18 @@ fn a_channel_that_never_leaves_its_code_asks_for_dither() {
 #[test]
 fn runs_that_are_too_short_or_too_few_are_refused_in_words() {
     let mut plan = plan();
-    plan.instrument.as_mut().expect("an instrument").quantisation_v = None;
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        let ac = axes.ac.as_mut().expect("an AC drive");
-        (ac.cycles, ac.rate_hz, ac.dither_nt) = (0.6, 100.0, 0.0);
-    }
-    let document = simulate::campaign(&plan).expect("simulated").document;
-    let error = axescal::run(document, &Options::default()).expect_err("too short").to_string();
+    runs(&mut plan, 0.6, 100.0, Some(0.0));
+    let error = refused(simulated(&plan).document);
     assert!(error.contains("found 0.599 cycles of 0.1 Hz"), "{error}");
 
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        axes.ac.as_mut().expect("an AC drive").cycles = 3.0;
-        axes.drives.truncate(2);
-    }
-    let mut document = simulate::campaign(&plan).expect("simulated").document;
+    runs(&mut plan, 3.0, 100.0, Some(0.0));
+    procedure(&mut plan).drives.truncate(2);
+    let mut document = simulated(&plan).document;
     for recording in &mut document.recordings {
         let time = recording.columns["time_s"].clone();
         let late = time.iter().map(|t| 0.5 * (std::f64::consts::TAU * 0.1 * t - 1.0).sin());
         recording.columns.insert("coil_z_a".into(), late.collect());
     }
-    let error = axescal::run(document, &Options::default()).expect_err("out of phase").to_string();
+    let error = refused(document);
     assert!(error.contains("coils out of phase in fewer than three independent runs"), "{error}");
 }

@@ -5,13 +5,15 @@
 //! which prints the coverage of every parameter and asks for 93 to 97 % of each.
 
 use axescal::Options;
-use common::{AxesCalibration, AxesDirections, Axis, Quantity};
+use common::{AxesCalibration, AxesDirections, Axis, Calibration, Quantity};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{ARCSEC, matrix, small_rotation};
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::collections::BTreeMap;
+
+use crate::build::{self, axes, procedure, simulated};
 
 /// How often each interval held the truth.
 #[derive(Default)]
@@ -104,58 +106,50 @@ pub fn draw(plan: &simulate::Plan, campaign: usize) -> simulate::Plan {
     plan
 }
 
-fn directions(tally: &mut Tally, name: &str, found: &AxesDirections, truth: &AxesDirections, factor: f64) {
-    let (rows, true_rows) = (found.matrix.expect("a matrix"), truth.matrix.expect("a matrix"));
-    let covariance = found.covariance.as_ref().expect("a covariance");
-    for i in 0..3 {
-        for j in (0..3).filter(|j| *j != i) {
-            let std = covariance[3 * j + i][3 * j + i].sqrt();
-            tally.quantity(
-                format!("{name}[{i}][{j}]"),
-                &Quantity::new(rows[i][j], std),
-                true_rows[i][j],
-                factor,
-            );
+/// The directions of sensors and coils; the factor with which their intervals hold.
+fn directions(tally: &mut Tally, axes: &AxesCalibration, truth: &simulate::Truth) -> f64 {
+    let factor = axes.fit.as_ref().expect("a fit").coverage_factor_95;
+    let truth = truth.calibration.axes.as_ref().expect("true axes");
+    for (name, found, truth) in
+        [("sensors", &axes.sensors, &truth.sensors), ("coils", &axes.coils, &truth.coils)]
+    {
+        let (found, columns) = (found.as_ref().expect("directions"), build::columns(truth));
+        let (rows, covariance) = (found.matrix.expect("a matrix"), found.covariance.as_ref().expect("one"));
+        for (i, j) in (0..9).filter(|k| k % 4 != 0).map(|k| (k / 3, k % 3)) {
+            let cosine = Quantity::new(rows[i][j], covariance[3 * j + i][3 * j + i].sqrt());
+            tally.quantity(format!("{name}[{i}][{j}]"), &cosine, columns[(i, j)], factor);
+        }
+        for (pair, [a, b]) in [("xy", [0, 1]), ("yz", [1, 2]), ("xz", [0, 2])] {
+            let angle = columns.column(a).dot(&columns.column(b)).asin() / ARCSEC;
+            let all = found.non_orthogonality_arcsec.as_ref().expect("angles");
+            tally.quantity(format!("{name} off orthogonal {pair}"), &all[pair], angle, factor);
         }
     }
-    let columns = matrix(&true_rows);
-    for (pair, [a, b]) in [("xy", [0, 1]), ("yz", [1, 2]), ("xz", [0, 2])] {
-        let angle = columns.column(a).dot(&columns.column(b)).asin() / ARCSEC;
-        let all = found.non_orthogonality_arcsec.as_ref().expect("angles");
-        tally.quantity(format!("{name} off orthogonal {pair}"), &all[pair], angle, factor);
-    }
+    factor
 }
 
 fn run(title: &str, plan: simulate::Plan, options: &Options) {
     let mut tally = Tally::default();
     for campaign in 0..campaigns() {
-        let plan = draw(&plan, campaign);
-        let simulate::Campaign { document, truth } = simulate::campaign(&plan).expect("simulated");
+        let simulate::Campaign { document, truth } = simulated(&draw(&plan, campaign));
         let stated = document.clone();
         let document = axescal::run(document, options).expect("directions");
-        let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
-        let true_axes = truth.calibration.axes.as_ref().expect("true axes");
-        let factor = axes.fit.as_ref().expect("a fit").coverage_factor_95;
-        let pair = |part: &Option<AxesDirections>| part.clone().expect("directions");
-        directions(&mut tally, "sensors", &pair(&axes.sensors), &pair(&true_axes.sensors), factor);
-        directions(&mut tally, "coils", &pair(&axes.coils), &pair(&true_axes.coils), factor);
+        let axes = axes(&document);
+        let factor = directions(&mut tally, axes, &truth);
         if let Some(field) = &axes.residual_field_nt {
             for (axis, value) in field.iter() {
-                tally.quantity(
-                    format!("residual field {axis}"),
-                    value,
-                    truth.residual_field_nt[axis.index()],
-                    factor,
-                );
+                let true_field = truth.residual_field_nt[axis.index()];
+                tally.quantity(format!("residual field {axis}"), value, true_field, factor);
             }
         }
         if let Some(offsets) = &axes.offsets_nt {
-            let of = |calibration: &Option<common::Calibration>, axis: Axis| {
-                let sensors = calibration.as_ref().and_then(|c| c.sensors.as_ref()).expect("sensors");
-                sensors.get(axis).and_then(|s| s.offset_nt.as_ref()).map_or(0.0, Quantity::value)
+            let of = |calibration: &Calibration, axis: Axis| {
+                let offset = calibration.sensor(axis).and_then(|sensor| sensor.offset_nt.as_ref());
+                offset.map_or(0.0, Quantity::value)
             };
+            let constants = stated.calibration.as_ref().expect("constants");
             for (axis, value) in offsets.iter() {
-                let difference = of(&Some(truth.calibration.clone()), axis) - of(&stated.calibration, axis);
+                let difference = of(&truth.calibration, axis) - of(constants, axis);
                 tally.quantity(format!("offset {axis}"), value, difference, factor);
             }
         }
@@ -163,33 +157,22 @@ fn run(title: &str, plan: simulate::Plan, options: &Options) {
             let Some(correction) = &orientation.correction_arcsec else { continue };
             let recording =
                 stated.recordings.iter().find(|r| r.id == orientation.recordings[0]).expect("there");
-            let references = physics::References::default();
-            let given = physics::Context::new(&stated, recording, references)
-                .expect("a context")
-                .orientation
-                .rotation;
-            let true_rotation =
-                truth.orientations.iter().find(|o| o.recording == recording.id).expect("there");
-            let turn = nalgebra::Rotation3::from_matrix_unchecked(
-                matrix(&true_rotation.orientation) * given.transpose(),
-            )
-            .scaled_axis();
+            let given = physics::orientation(&stated, recording).expect("an orientation").rotation;
+            let meant = truth.orientations.iter().find(|o| o.recording == recording.id).expect("there");
+            let turn = matrix(&meant.orientation) * given.transpose();
+            let turn = nalgebra::Rotation3::from_matrix_unchecked(turn).scaled_axis();
             for (axis, value) in correction.iter() {
                 let name = format!("orientation {} about {axis}", number + 1);
                 tally.quantity(name, value, turn[axis.index()] / ARCSEC, factor);
             }
         }
         if let Some(scales) = &axes.scales {
-            let relative = |part: fn(&common::Calibration, Axis) -> Option<Quantity>, axis: Axis| {
-                let of =
-                    |calibration: &common::Calibration| part(calibration, axis).expect("a constant").value();
+            let relative = |part: fn(&Calibration, Axis) -> Option<Quantity>, axis: Axis| {
+                let of = |calibration: &Calibration| part(calibration, axis).expect("a constant").value();
                 (of(&truth.calibration) / of(stated.calibration.as_ref().expect("constants"))).ln()
             };
-            let sensor = |c: &common::Calibration, axis: Axis| {
-                c.sensors.as_ref()?.get(axis)?.sensitivity_nt_per_v.clone()
-            };
-            let coil =
-                |c: &common::Calibration, axis: Axis| c.coils.as_ref()?.get(axis)?.constant_nt_per_a.clone();
+            let sensor = |c: &Calibration, axis: Axis| c.sensor(axis)?.sensitivity_nt_per_v.clone();
+            let coil = |c: &Calibration, axis: Axis| c.coil(axis)?.constant_nt_per_a.clone();
             // A reading is larger when the true sensitivity in nT/V is smaller.
             let logs =
                 [Axis::ALL.map(|axis| -relative(sensor, axis)), Axis::ALL.map(|axis| relative(coil, axis))];
@@ -198,13 +181,8 @@ fn run(title: &str, plan: simulate::Plan, options: &Options) {
             {
                 let mean = logs.iter().sum::<f64>() / 3.0;
                 for (axis, scale) in found.iter() {
-                    let value = Quantity::new(scale.value, scale.std);
-                    tally.quantity(
-                        format!("scale of {kind} {axis}"),
-                        &value,
-                        (logs[axis.index()] - mean).exp(),
-                        factor,
-                    );
+                    let (name, meant) = (format!("scale of {kind} {axis}"), logs[axis.index()] - mean);
+                    tally.quantity(name, &Quantity::new(scale.value, scale.std), meant.exp(), factor);
                 }
             }
         }
@@ -213,14 +191,7 @@ fn run(title: &str, plan: simulate::Plan, options: &Options) {
 }
 
 fn plan() -> simulate::Plan {
-    simulate::Plan::parse(&testkit::read_fixture("plans/magsat-axes.json")).expect("a plan")
-}
-
-fn axes_procedure(plan: &mut simulate::Plan) -> &mut simulate::AxesProcedure {
-    match &mut plan.procedures[0] {
-        simulate::Procedure::AxesOrientation(axes) => axes,
-        _ => panic!("the plan begins with the axes"),
-    }
+    build::plan("magsat-axes")
 }
 
 #[test]
@@ -243,22 +214,17 @@ fn undeclared(title: &str, options: &Options) {
     let mut plan = plan();
     let instrument = plan.instrument.as_mut().expect("an instrument");
     let noise = instrument.noise.take();
-    axes_procedure(&mut plan).theodolite_angles = false;
+    procedure(&mut plan).theodolite_angles = false;
     let stated = plan.clone();
     let mut tally = Tally::default();
     for campaign in 0..campaigns() {
         let mut plan = draw(&stated, campaign);
         plan.instrument.as_mut().expect("an instrument").noise = noise.clone();
-        let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+        let simulate::Campaign { mut document, truth } = simulated(&plan);
         document.instrument.as_mut().expect("an instrument").noise = None;
         let document = axescal::run(document, options).expect("directions");
-        let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
-        assert_eq!(axes.fit.as_ref().expect("a fit").noise_source, "residuals");
-        let factor = axes.fit.as_ref().expect("a fit").coverage_factor_95;
-        let true_axes = truth.calibration.axes.expect("true axes");
-        let pair = |part: &Option<AxesDirections>| part.clone().expect("directions");
-        directions(&mut tally, "sensors", &pair(&axes.sensors), &pair(&true_axes.sensors), factor);
-        directions(&mut tally, "coils", &pair(&axes.coils), &pair(&true_axes.coils), factor);
+        assert_eq!(axes(&document).fit.as_ref().expect("a fit").noise_source, "residuals");
+        directions(&mut tally, axes(&document), &truth);
     }
     tally.judge(title, campaigns());
 }
@@ -266,7 +232,7 @@ fn undeclared(title: &str, options: &Options) {
 #[test]
 fn free_scales() {
     let mut plan = plan();
-    axes_procedure(&mut plan).drives.truncate(7);
+    procedure(&mut plan).drives.truncate(7);
     run("free scales", plan, &Options { free_scales: true, ..Options::default() });
 }
 
@@ -278,9 +244,9 @@ fn robust_where_nothing_is_wrong() {
 #[test]
 fn drives_in_one_sense_with_stated_offsets() {
     let mut plan = plan();
-    axes_procedure(&mut plan)
-        .drives
-        .retain(|drive| matches!(drive, simulate::Drive::Named(name) if name.len() == 1));
+    let one_sense =
+        |drive: &simulate::Drive| matches!(drive, simulate::Drive::Named(name) if name.len() == 1);
+    procedure(&mut plan).drives.retain(one_sense);
     // What nulling leaves is stated, and drawn anew in each campaign.
     plan.facility.as_mut().expect("a facility").residual_field_std_nt = Some(0.2);
     run("three drives in one sense", plan, &Options::default());

@@ -1,12 +1,12 @@
 //! Documents that depart from the plain case: each is answered rightly, or refused in words.
 
 use axescal::{Coils, Options};
-use common::{AxesCalibration, Axis, Column, Document, OneOrEach, Quantity};
-use physics::frames::{ARCSEC, angle, matrix};
+use common::{AxesCalibration, Axis, Column, Document, OneOrEach, PerAxis, Quantity};
+
+use crate::build::{self, axes, procedure, refused, says, simulated, solved, worst_arcsec};
 
 fn plan() -> simulate::Plan {
-    let mut plan: simulate::Plan =
-        simulate::Plan::parse(&testkit::read_fixture("plans/magsat-axes.json")).expect("a plan");
+    let mut plan = build::plan("magsat-axes");
     plan.facility = None;
     plan.instrument.as_mut().expect("an instrument").noise =
         Some(serde_json::from_str(r#"{"white_rms_nt": 0.1}"#).expect("a noise"));
@@ -14,34 +14,30 @@ fn plan() -> simulate::Plan {
 }
 
 fn drives(plan: &mut simulate::Plan, names: &[&str]) {
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        axes.drives = names.iter().map(|name| simulate::Drive::Named((*name).into())).collect();
-        axes.theodolite_angles = false;
-    }
+    let procedure = procedure(plan);
+    procedure.drives = names.iter().map(|name| simulate::Drive::Named((*name).into())).collect();
+    procedure.theodolite_angles = false;
 }
 
-fn solved(document: Document) -> Document {
-    axescal::run(document, &Options::default()).unwrap_or_else(|error| panic!("{error}"))
+/// Swaps what two recordings say of their orientation.
+fn swap(document: &mut Document, one: usize, other: usize) {
+    let first = document.recordings[one].conditions.clone();
+    document.recordings[one].conditions = document.recordings[other].conditions.clone();
+    document.recordings[other].conditions = first;
 }
 
-fn axes(document: &Document) -> &AxesCalibration {
-    document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref()).expect("axes")
+/// Asserts that a residual field or an offset is found along an axis, within four standard uncertainties.
+#[track_caller]
+fn found(all: &Option<PerAxis<Quantity>>, axis: Axis, truth: f64) {
+    let one = all.as_ref().and_then(|all| all.get(axis)).expect("a quantity");
+    assert!((one.value() - truth).abs() < 4.0 * one.std().expect("an uncertainty"), "{one:?}");
 }
 
-/// Largest angle between the found and the true directions of the sensors and of the coils, arcsec.
-fn worst_arcsec(document: &Document, truth: &simulate::Truth) -> f64 {
-    let meant = truth.calibration.axes.as_ref().expect("true axes");
-    let found = axes(document);
-    [(&found.sensors, &meant.sensors), (&found.coils, &meant.coils)]
-        .iter()
-        .flat_map(|(found, meant)| {
-            let of = |part: &Option<common::AxesDirections>| {
-                matrix(&part.as_ref().and_then(|p| p.matrix).expect("a matrix"))
-            };
-            let (found, meant) = (of(found), of(meant));
-            (0..3).map(move |k| angle(&found.column(k).into_owned(), &meant.column(k).into_owned()) / ARCSEC)
-        })
-        .fold(0.0, f64::max)
+/// Asserts that no direction is further off than this, arcsec.
+#[track_caller]
+fn within(document: &Document, truth: &simulate::Truth, most: f64) {
+    let worst = worst_arcsec(document, truth);
+    assert!(worst < most, "{worst} arcsec");
 }
 
 #[test]
@@ -49,14 +45,13 @@ fn a_stated_ambient_field_is_part_of_the_model() {
     let mut plan = plan();
     drives(&mut plan, &["x", "y", "z"]);
     plan.truth.residual_field_nt = Some([(Axis::X, 100.0), (Axis::Z, -40.0)].into_iter().collect());
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+    let simulate::Campaign { mut document, truth } = simulated(&plan);
     for recording in &mut document.recordings {
         recording.columns.insert("ambient_x_nt".into(), Column::from(vec![100.0; 3]));
         recording.conditions.extra.insert("ambient_z_nt".into(), (-40.0).into());
     }
     // The plan's coil and sensor constants have offsets of stated uncertainty; the field itself is exact.
-    let document = solved(document);
-    assert!(worst_arcsec(&document, &truth) < 2.0, "{}", worst_arcsec(&document, &truth));
+    within(&solved(document), &truth, 2.0);
 }
 
 #[test]
@@ -64,28 +59,26 @@ fn constants_are_found_from_the_sensors_that_show_them() {
     let mut plan = plan();
     drives(&mut plan, &["zero", "x", "y", "z"]);
     plan.truth.residual_field_nt = Some([(Axis::X, 20.0)].into_iter().collect());
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+    let simulate::Campaign { mut document, truth } = simulated(&plan);
     for recording in &mut document.recordings {
         recording.columns.get_mut("sensor_x_v").expect("a column")[0] = f64::NAN;
     }
     let document = solved(document);
-    assert!(worst_arcsec(&document, &truth) < 2.0, "{}", worst_arcsec(&document, &truth));
-    let field =
-        axes(&document).residual_field_nt.as_ref().and_then(|field| field.x.as_ref()).expect("a field");
-    assert!((field.value() - 20.0).abs() < 4.0 * field.std().expect("an uncertainty"), "{field:?}");
+    within(&document, &truth, 2.0);
+    found(&axes(&document).residual_field_nt, Axis::X, 20.0);
 }
 
 #[test]
 fn sharp_and_blunt_priors_do_not_decide_the_rank() {
     for std in [1e-15, 1e-12, 1e-6, 1e3] {
-        let simulate::Campaign { mut document, truth } = simulate::campaign(&plan()).expect("simulated");
+        let simulate::Campaign { mut document, truth } = simulated(&plan());
         let calibration = document.calibration.as_mut().expect("constants");
         let sensor = calibration.sensors.as_mut().and_then(|sensors| sensors.x.as_mut()).expect("sensor x");
         sensor.offset_nt = Some(Quantity::new(3.1, std));
         let coil = calibration.coils.as_mut().and_then(|coils| coils.y.as_mut()).expect("coil y");
         coil.constant_nt_per_a = Some(Quantity::new(40987.2, std));
         let document = solved(document);
-        assert!(worst_arcsec(&document, &truth) < 2.0, "std {std}: {}", worst_arcsec(&document, &truth));
+        within(&document, &truth, 2.0);
         let fit = axes(&document).fit.as_ref().expect("a fit");
         assert_eq!(fit.rank, fit.unknowns, "std {std}");
         let offset =
@@ -96,25 +89,22 @@ fn sharp_and_blunt_priors_do_not_decide_the_rank() {
 
 #[test]
 fn noise_declared_for_one_sensor_only_is_not_mixed_with_a_guess() {
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan()).expect("simulated");
+    let simulate::Campaign { mut document, truth } = simulated(&plan());
     let instrument = document.instrument.as_mut().expect("an instrument");
     instrument.noise = Some(serde_json::from_str(r#"{"x": {"white_rms_nt": 0.001}}"#).expect("a noise"));
     let document = solved(document);
     let found = axes(&document);
-    assert!(
-        found.findings.iter().any(|finding| finding.contains("one value for all")),
-        "{:?}",
-        found.findings
-    );
+    assert!(says(&document, "one value for all"), "{:?}", found.findings);
     assert!((found.fit.as_ref().expect("a fit").noise_nt / 0.1 - 1.0).abs() < 0.2);
-    assert!(found.doubtful.is_empty() && worst_arcsec(&document, &truth) < 2.0);
+    assert!(found.doubtful.is_empty());
+    within(&document, &truth, 2.0);
 }
 
 #[test]
 fn known_coils_with_an_uncertainty_need_one_orientation_and_three_drives() {
     let mut plan = plan();
     drives(&mut plan, &["x", "y", "z"]);
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan).expect("simulated");
+    let simulate::Campaign { mut document, truth } = simulated(&plan);
     document.recordings.truncate(1);
     let mut coils = truth.calibration.axes.as_ref().and_then(|axes| axes.coils.clone()).expect("coils");
     coils.std_arcsec = Some(OneOrEach::One(2.0));
@@ -122,24 +112,18 @@ fn known_coils_with_an_uncertainty_need_one_orientation_and_three_drives() {
         Some(AxesCalibration { coils: Some(coils), ..AxesCalibration::default() });
     let options = Options { coils: Coils::Known, ..Options::default() };
     let document = axescal::run(document, &options).unwrap_or_else(|error| panic!("{error}"));
-    let std = axes(&document)
-        .sensors
-        .as_ref()
-        .and_then(|part| part.std_arcsec.as_ref())
-        .and_then(|std| std.get(Axis::X));
-    let std = std.expect("an uncertainty");
+    let sensors = axes(&document).sensors.as_ref().and_then(|part| part.std_arcsec.as_ref());
+    let std = sensors.and_then(|std| std.get(Axis::X)).expect("an uncertainty");
     // The coils' 2" and what an offset of 0.3 nT and 0.1 nT of the coils' make of 50 000 nT.
     assert!(std > 2.0 && std < 3.0, "{std}");
 }
 
 #[test]
 fn readings_that_do_not_fit_are_not_called_a_want_of_orientations() {
-    let simulate::Campaign { mut document, .. } = simulate::campaign(&plan()).expect("simulated");
-    let first = document.recordings[1].conditions.theodolite.clone();
-    document.recordings[1].conditions.theodolite = document.recordings[4].conditions.theodolite.clone();
-    document.recordings[4].conditions.theodolite = first;
-    let error = axescal::run(document, &Options::default()).expect_err("swapped");
-    assert!(error.to_string().starts_with("the readings do not fit the model"), "{error}");
+    let mut document = simulated(&plan()).document;
+    swap(&mut document, 1, 4);
+    let error = refused(document);
+    assert!(error.starts_with("the readings do not fit the model"), "{error}");
 }
 
 #[test]
@@ -151,19 +135,16 @@ fn the_advised_turn_is_the_one_that_helps() {
     let list = [0.0, 90.0, 180.0f64]
         .map(|degrees| *nalgebra::Rotation3::from_axis_angle(&tilted, degrees.to_radians()).matrix())
         .map(|rotation| physics::frames::rows(&rotation));
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        axes.orientations = simulate::Orientations::List(list.to_vec());
-        axes.fixture_std_arcmin = 0.0;
-    }
-    let document = simulate::campaign(&plan).expect("simulated").document;
-    let error = axescal::run(document, &Options::default()).expect_err("one axis").to_string();
+    procedure(&mut plan).orientations = simulate::Orientations::List(list.to_vec());
+    procedure(&mut plan).fixture_std_arcmin = 0.0;
+    let error = refused(simulated(&plan).document);
     assert!(error.contains("rotations about one axis, (0.12, 0.10, 0.99) of the block"), "{error}");
     assert!(error.contains("turned by 90° about its x or y axis"), "{error}");
 }
 
 #[test]
 fn settings_keep_visits_of_one_orientation_apart() {
-    let simulate::Campaign { mut document, .. } = simulate::campaign(&plan()).expect("simulated");
+    let mut document = simulated(&plan()).document;
     let mut again = document.recordings[0].clone();
     again.id = "again".into();
     document.recordings.push(again);
@@ -178,18 +159,12 @@ fn a_statement_that_the_readings_contradict_is_said_and_left_free() {
     // A residual field of 100 nT where 0.2 nT is stated, seen by zero and reversed drives.
     let mut field = plan();
     field.truth.residual_field_nt = Some([(Axis::X, 100.0)].into_iter().collect());
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&field).expect("simulated");
+    let simulate::Campaign { mut document, truth } = simulated(&field);
     document.facility = Some(common::Facility { residual_field_std_nt: Some(0.2), ..Default::default() });
     let document = solved(document);
-    let found = axes(&document);
-    assert!(
-        found.findings.iter().any(|finding| finding.contains("put the residual field")),
-        "{:?}",
-        found.findings
-    );
-    let x = found.residual_field_nt.as_ref().and_then(|field| field.x.as_ref()).expect("a field");
-    assert!((x.value() - 100.0).abs() < 4.0 * x.std().expect("an uncertainty"), "{x:?}");
-    assert!(worst_arcsec(&document, &truth) < 2.0);
+    assert!(says(&document, "put the residual field"), "{:?}", axes(&document).findings);
+    found(&axes(&document).residual_field_nt, Axis::X, 100.0);
+    within(&document, &truth, 2.0);
 
     // An offset 50 nT off where 0.3 nT is stated, and a coil constant 400 ppm off where 7 ppm are.
     let mut constants = plan();
@@ -200,50 +175,41 @@ fn a_statement_that_the_readings_contradict_is_said_and_left_free() {
     coil.constant_nt_per_a = Some(Quantity::Bare(41234.5 * 1.0004));
     calibration.axes = constants.truth.calibration.as_ref().and_then(|truth| truth.axes.clone());
     constants.truth.calibration = Some(calibration);
-    let simulate::Campaign { document, truth } = simulate::campaign(&constants).expect("simulated");
+    let simulate::Campaign { document, truth } = simulated(&constants);
     let document = solved(document);
-    let said = axes(&document).findings.join("\n");
-    assert!(
-        said.contains("put the offset of sensor y") && said.contains("put the constant of coil x"),
-        "{said}"
-    );
-    assert_eq!(axes(&document).findings.len(), 2, "{said}");
-    let offset =
-        axes(&document).offsets_nt.as_ref().and_then(|offsets| offsets.y.as_ref()).expect("an offset");
-    assert!((offset.value() - 50.0).abs() < 4.0 * offset.std().expect("an uncertainty"), "{offset:?}");
-    assert!(worst_arcsec(&document, &truth) < 2.0, "{}", worst_arcsec(&document, &truth));
+    for said in ["put the offset of sensor y", "put the constant of coil x"] {
+        assert!(says(&document, said), "{:?}", axes(&document).findings);
+    }
+    assert_eq!(axes(&document).findings.len(), 2, "{:?}", axes(&document).findings);
+    found(&axes(&document).offsets_nt, Axis::Y, 50.0);
+    within(&document, &truth, 2.0);
 }
 
 #[test]
 fn a_robust_fit_does_not_hide_whole_orientations() {
-    let simulate::Campaign { mut document, .. } = simulate::campaign(&plan()).expect("simulated");
-    let first = document.recordings[1].conditions.clone();
-    document.recordings[1].conditions = document.recordings[4].conditions.clone();
-    document.recordings[4].conditions = first;
+    let mut document = simulated(&plan()).document;
+    swap(&mut document, 1, 4);
     let robust = Options { robust: true, ..Options::default() };
     let document = axescal::run(document, &robust).expect("five orientations suffice");
-    let said = axes(&document).findings.join("\n");
-    assert!(said.contains("of 168 readings were given no weight, in orientations 2, 5"), "{said}");
+    let said = "of 168 readings were given no weight, in orientations 2, 5";
+    assert!(says(&document, said), "{:?}", axes(&document).findings);
     // A few wild readings are left out and counted, and nothing is said of clean data.
-    let simulate::Campaign { mut document, truth } = simulate::campaign(&plan()).expect("simulated");
+    let simulate::Campaign { mut document, truth } = simulated(&plan());
     let clean = axescal::run(document.clone(), &robust).expect("directions");
     assert!(axes(&clean).findings.is_empty(), "{:?}", axes(&clean).findings);
     for (recording, row) in [(0, 1), (3, 4), (5, 2)] {
         document.recordings[recording].columns.get_mut("sensor_z_v").expect("a column")[row] += 0.5;
     }
     let document = axescal::run(document, &robust).expect("directions");
-    assert!(
-        axes(&document).findings[0].starts_with("3 of 168 readings were given no weight"),
-        "{:?}",
-        axes(&document).findings
-    );
-    assert!(worst_arcsec(&document, &truth) < 2.0);
+    let findings = &axes(&document).findings;
+    assert!(findings[0].starts_with("3 of 168 readings were given no weight"), "{findings:?}");
+    within(&document, &truth, 2.0);
 }
 
 #[test]
 fn known_coils_are_never_the_result_of_the_same_readings() {
     let known = Options { coils: Coils::Known, ..Options::default() };
-    let document = solved(simulate::campaign(&plan()).expect("simulated").document);
+    let document = solved(simulated(&plan()).document);
     let error = axescal::run(document.clone(), &known).expect_err("counted twice").to_string();
     assert!(error.contains("found from these same recordings"), "{error}");
     // What was given as known outlives a run that does not use it.
@@ -259,19 +225,11 @@ fn known_coils_are_never_the_result_of_the_same_readings() {
 #[test]
 fn a_weak_coil_keeps_its_field_and_is_said() {
     let mut plan = plan();
-    if let simulate::Procedure::AxesOrientation(axes) = &mut plan.procedures[0] {
-        axes.drives =
-            [[5e4, 0.0, 0.0], [-5e4, 0.0, 0.0], [0.0, 5e4, 0.0], [0.0, -5e4, 0.0], [0.0, 0.0, 45.0]]
-                .map(simulate::Drive::Vector)
-                .to_vec();
-    }
-    let document = solved(simulate::campaign(&plan).expect("simulated").document);
+    let drives = [[5e4, 0.0, 0.0], [-5e4, 0.0, 0.0], [0.0, 5e4, 0.0], [0.0, -5e4, 0.0], [0.0, 0.0, 45.0]];
+    procedure(&mut plan).drives = drives.map(simulate::Drive::Vector).to_vec();
+    let document = solved(simulated(&plan).document);
     let found = axes(&document);
-    assert!(
-        found.findings.iter().any(|finding| finding.starts_with("coil z produces at most 45 nT")),
-        "{:?}",
-        found.findings
-    );
+    assert!(says(&document, "coil z produces at most 45 nT"), "{:?}", found.findings);
     let z = found.residual_field_nt.as_ref().and_then(|field| field.z.as_ref()).expect("a field");
     // 45 nT along a coil some 4° off its nominal axis leave at most 3 nT.
     assert!(z.value().abs() < 3.0, "{z:?}");

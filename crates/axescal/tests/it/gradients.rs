@@ -1,13 +1,14 @@
 //! Known gradients of the coils at the known places of the sensors: taken off, with what is uncertain about
 //! them.
 
-use axescal::Options;
 use common::{Axis, Document, Quantity};
-use physics::frames::{ARCSEC, matrix};
+use physics::frames::ARCSEC;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::json;
+
+use crate::build::{axes, columns, says, simulated, solved};
 
 /// Gradients, nT/(m A), and their standard uncertainty.
 const GRADIENTS: [f64; 3] = [300.0, -200.0, 250.0];
@@ -31,14 +32,11 @@ fn plan(seed: u64) -> simulate::Plan {
 
 /// Errors of the cosines of sensors and coils off the diagonal, with their standard uncertainties, arcsec.
 fn errors(document: &Document, truth: &simulate::Truth) -> Vec<(f64, f64)> {
-    let found = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
-    let meant = truth.calibration.axes.as_ref().expect("true axes");
+    let (found, meant) = (axes(document), truth.calibration.axes.as_ref().expect("true axes"));
     let mut errors = Vec::new();
     for (found, meant) in [(&found.sensors, &meant.sensors), (&found.coils, &meant.coils)] {
-        let (found, meant) = (found.as_ref().expect("found"), meant.as_ref().expect("meant"));
-        let covariance = found.covariance.as_ref().expect("a covariance");
-        let of = |part: &common::AxesDirections| matrix(&part.matrix.expect("a matrix"));
-        let off = of(found) - of(meant);
+        let off = columns(found) - columns(meant);
+        let covariance = found.as_ref().and_then(|part| part.covariance.as_ref()).expect("a covariance");
         for k in (0..9).filter(|k| k % 4 != 0) {
             errors.push((off[(k % 3, k / 3)] / ARCSEC, covariance[k][k].sqrt() / ARCSEC));
         }
@@ -51,7 +49,7 @@ fn directions_are_found_within_what_the_gradients_leave_uncertain() {
     let campaigns = testkit::campaigns(20);
     let (mut squares, mut exact, mut tried, mut biased, mut largest) = (0.0, 0.0, 0.0, 0.0_f64, 0.0_f64);
     for seed in 0..campaigns {
-        let simulate::Campaign { mut document, truth } = simulate::campaign(&plan(seed)).expect("simulated");
+        let simulate::Campaign { mut document, truth } = simulated(&plan(seed));
         // The document states the gradients as far as they are known.
         let mut generator = ChaCha8Rng::seed_from_u64(seed ^ 0x6AD);
         let coils = document.facility.as_mut().and_then(|facility| facility.coils.as_mut()).expect("coils");
@@ -68,19 +66,20 @@ fn directions_are_found_within_what_the_gradients_leave_uncertain() {
             let gradient = &mut coils.entry(axis).as_mut().expect("a coil").gradient_nt_per_m_a;
             *gradient = gradient.as_ref().map(|stated| Quantity::Bare(stated.value()));
         }
-        let exactly = axescal::run(exactly, &Options::default()).expect("directions");
-        exact += errors(&exactly, &truth).into_iter().map(|(error, std)| (error / std).powi(2)).sum::<f64>();
-        let document = axescal::run(document, &Options::default()).expect("directions");
+        exact += errors(&solved(exactly), &truth)
+            .into_iter()
+            .map(|(error, std)| (error / std).powi(2))
+            .sum::<f64>();
+        let document = solved(document);
         for (error, std) in errors(&document, &truth) {
             squares += (error / std).powi(2);
             tried += 1.0;
             largest = largest.max(std);
         }
-        let axes = document.calibration.as_ref().and_then(|c| c.axes.as_ref()).expect("axes");
         let said = "the coils' known gradients at the sensors' places";
-        assert!(axes.findings.iter().any(|finding| finding.contains(said)), "{:?}", axes.findings);
-        let ignored = axescal::run(without, &Options::default()).expect("directions");
-        biased = errors(&ignored, &truth).into_iter().map(|(error, _)| error.abs()).fold(biased, f64::max);
+        assert!(says(&document, said), "{:?}", axes(&document).findings);
+        biased =
+            errors(&solved(without), &truth).into_iter().map(|(error, _)| error.abs()).fold(biased, f64::max);
     }
     let ratio: f64 = squares / tried;
     let as_exact = exact / tried;

@@ -2,6 +2,7 @@
 
 mod ac;
 mod bad_input;
+mod build;
 mod coverage;
 mod departures;
 mod design;

@@ -1,14 +1,16 @@
 //! Far starts, reversed wiring, swapped columns, a given first model, coils known beforehand.
 
 use axescal::{Coils, Options, Start};
-use common::{AxesCalibration, AxesDirections, Axis, Column, Document, OneOrEach};
-use nalgebra::{Matrix3, Unit, Vector3};
-use physics::frames::{ARCSEC, angle, matrix, rows};
+use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach};
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use physics::frames::{ARCSEC, matrix, rows};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use crate::build::{self, axes, columns, off_arcsec, procedure, refused, solved};
+
 fn plan() -> simulate::Plan {
-    simulate::Plan::parse(&testkit::read_fixture("plans/magsat-axes.json")).expect("a plan")
+    build::plan("magsat-axes")
 }
 
 fn directions(matrix: &Matrix3<f64>) -> Option<AxesDirections> {
@@ -18,19 +20,12 @@ fn directions(matrix: &Matrix3<f64>) -> Option<AxesDirections> {
 fn simulated(mut plan: simulate::Plan, mu: &Matrix3<f64>, eta: &Matrix3<f64>) -> Document {
     let truth = AxesCalibration { sensors: directions(mu), coils: directions(eta), ..Default::default() };
     plan.truth.calibration.get_or_insert_default().axes = Some(truth);
-    simulate::campaign(&plan).expect("simulated").document
-}
-
-fn axes(document: &Document) -> &AxesCalibration {
-    document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref()).expect("axes")
+    build::simulated(&plan).document
 }
 
 /// Largest angle between found and true directions of the sensors, arcsec.
 fn sensors_off(document: &Document, mu: &Matrix3<f64>) -> f64 {
-    let found = matrix(&axes(document).sensors.as_ref().and_then(|part| part.matrix).expect("a matrix"));
-    (0..3)
-        .map(|k| angle(&found.column(k).into_owned(), &mu.column(k).into_owned()) / ARCSEC)
-        .fold(0.0, f64::max)
+    off_arcsec(&columns(&axes(document).sensors), mu)
 }
 
 /// Each axis turned by exactly `degrees` about an axis drawn across it.
@@ -38,7 +33,7 @@ fn tilted(generator: &mut ChaCha8Rng, degrees: f64) -> Matrix3<f64> {
     Matrix3::from_columns(&[0, 1, 2].map(|k| {
         let nominal = Vector3::ith(k, 1.0);
         let across = nominal.cross(&Vector3::from_fn(|_, _| generator.random_range(-1.0..1.0)));
-        nalgebra::Rotation3::from_axis_angle(&Unit::new_normalize(across), degrees.to_radians()) * nominal
+        Rotation3::from_axis_angle(&Unit::new_normalize(across), degrees.to_radians()) * nominal
     }))
 }
 
@@ -47,9 +42,7 @@ fn thirty_degrees_from_nominal() {
     let mut generator = ChaCha8Rng::seed_from_u64(30);
     for case in 0..40 {
         let (mu, eta) = (tilted(&mut generator, 30.0), tilted(&mut generator, 5.0));
-        let document = simulated(plan(), &mu, &eta);
-        let document = axescal::run(document, &Options::default())
-            .unwrap_or_else(|error| panic!("case {case}: {error}"));
+        let document = solved(simulated(plan(), &mu, &eta));
         let off = sensors_off(&document, &mu);
         assert!(off < 8.0, "case {case}: {off} arcsec");
         assert!(axes(&document).findings.is_empty(), "case {case}: {:?}", axes(&document).findings);
@@ -58,26 +51,21 @@ fn thirty_degrees_from_nominal() {
 
 #[test]
 fn reversed_wiring_is_recognised() {
+    let nominal = Matrix3::identity();
     for axis in Axis::ALL {
-        let (mut mu, mut eta) = (Matrix3::identity(), Matrix3::identity());
-        mu.column_mut(axis.index()).neg_mut();
-        let document = axescal::run(simulated(plan(), &mu, &eta), &Options::default()).expect("directions");
-        assert!(sensors_off(&document, &mu) < 8.0);
-        let findings = &axes(&document).findings;
-        assert_eq!(findings.len(), 1, "{findings:?}");
-        assert!(
-            findings[0].starts_with(&format!("sensor {axis} reads with the opposite sign")),
-            "{findings:?}"
-        );
-
-        eta.column_mut(axis.index()).neg_mut();
-        let document = axescal::run(simulated(plan(), &Matrix3::identity(), &eta), &Options::default())
-            .expect("directions");
-        let findings = &axes(&document).findings;
-        assert!(
-            findings[0].starts_with(&format!("the field of coil {axis} has the opposite sign")),
-            "{findings:?}"
-        );
+        let mut reversed = nominal;
+        reversed.column_mut(axis.index()).neg_mut();
+        let sensor = solved(simulated(plan(), &reversed, &nominal));
+        assert!(sensors_off(&sensor, &reversed) < 8.0);
+        assert_eq!(axes(&sensor).findings.len(), 1, "{:?}", axes(&sensor).findings);
+        let coil = solved(simulated(plan(), &nominal, &reversed));
+        for (document, said) in [
+            (sensor, format!("sensor {axis} reads with the opposite sign")),
+            (coil, format!("the field of coil {axis} has the opposite sign")),
+        ] {
+            let findings = &axes(&document).findings;
+            assert!(findings[0].starts_with(&said), "{findings:?}");
+        }
     }
 }
 
@@ -85,12 +73,10 @@ fn reversed_wiring_is_recognised() {
 fn swapped_columns_are_recognised() {
     let mut document = simulated(plan(), &Matrix3::identity(), &Matrix3::identity());
     for recording in &mut document.recordings {
-        let x = recording.columns["sensor_x_v"].clone();
-        let y: Column = recording.columns["sensor_y_v"].clone();
-        recording.columns.insert("sensor_x_v".into(), y);
-        recording.columns.insert("sensor_y_v".into(), x);
+        let [x, y] = ["sensor_x_v", "sensor_y_v"].map(|name| recording.columns[name].clone());
+        recording.columns.extend([("sensor_x_v".into(), y), ("sensor_y_v".into(), x)]);
     }
-    let document = axescal::run(document, &Options::default()).expect("directions");
+    let document = solved(document);
     let findings = &axes(&document).findings;
     assert!(findings[0].starts_with("sensor x reads along y"), "{findings:?}");
     assert!(findings[1].starts_with("sensor y reads along x"), "{findings:?}");
@@ -99,11 +85,11 @@ fn swapped_columns_are_recognised() {
 #[test]
 fn a_first_model_from_the_document() {
     // So far from nominal that the identity is no start: the block is mounted turned by 75° about down.
-    let turn = *nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 75f64.to_radians()).matrix();
+    let [turn, first] = [75.0f64, 70.0]
+        .map(|degrees| *Rotation3::from_axis_angle(&Vector3::z_axis(), degrees.to_radians()).matrix());
     let mut document = simulated(plan(), &turn, &Matrix3::identity());
-    let first = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), 70f64.to_radians());
     let model = AxesCalibration {
-        sensors: directions(first.matrix()),
+        sensors: directions(&first),
         coils: directions(&Matrix3::identity()),
         ..Default::default()
     };
@@ -117,19 +103,11 @@ fn a_first_model_from_the_document() {
 /// One orientation only, three drives: enough when the coils are known (NASA eq. 33).
 fn one_orientation(full_drives: bool) -> simulate::Plan {
     let mut plan = plan();
-    if let simulate::Procedure::AxesOrientation(procedure) = &mut plan.procedures[0] {
-        procedure.orientations =
-            simulate::Orientations::List(vec![[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]]);
-        if full_drives {
-            // B_c not diagonal.
-            let drive = |vector: [f64; 3]| simulate::Drive::Vector(vector);
-            procedure.drives = vec![
-                drive([5e4, 2e4, -1e4]),
-                drive([1e4, 5e4, 2e4]),
-                drive([-2e4, 1e4, 5e4]),
-                drive([0.0, 0.0, 0.0]),
-            ];
-        }
+    procedure(&mut plan).orientations = simulate::Orientations::List(vec![rows(&Matrix3::identity())]);
+    if full_drives {
+        // B_c not diagonal.
+        let drives = [[5e4, 2e4, -1e4], [1e4, 5e4, 2e4], [-2e4, 1e4, 5e4], [0.0; 3]];
+        procedure(&mut plan).drives = drives.map(simulate::Drive::Vector).to_vec();
     }
     plan
 }
@@ -144,9 +122,8 @@ fn known_coils_need_one_orientation_and_any_drives() {
         coils.std_arcsec = Some(OneOrEach::One(1.0));
         document.calibration.get_or_insert_default().axes =
             Some(AxesCalibration { coils: Some(coils.clone()), ..Default::default() });
-        let unknown =
-            axescal::run(document.clone(), &Options::default()).expect_err("one orientation, coils unknown");
-        assert!(unknown.to_string().contains("can turn together in 3 independent ways"), "{unknown}");
+        let unknown = refused(document.clone());
+        assert!(unknown.contains("can turn together in 3 independent ways"), "{unknown}");
         let options = Options { coils: Coils::Known, ..Options::default() };
         let document = axescal::run(document, &options).expect("directions");
         assert!(sensors_off(&document, &mu) < 15.0, "{}", sensors_off(&document, &mu));
@@ -157,12 +134,8 @@ fn known_coils_need_one_orientation_and_any_drives() {
         // The theodolites' 1" and the coils' 1" are always there. On top comes the noise: at worst each
         // direction rests on three differences to one zero drive, √2 nT, against the smallest singular value
         // of the drives.
-        let std = axes(&document)
-            .sensors
-            .as_ref()
-            .and_then(|part| part.std_arcsec.clone())
-            .expect("an uncertainty");
-        let std = std.get(Axis::X).expect("x");
+        let sensors = axes(&document).sensors.as_ref().and_then(|part| part.std_arcsec.as_ref());
+        let std = sensors.and_then(|std| std.get(Axis::X)).expect("an uncertainty");
         let smallest = if full_drives { smallest_drive() } else { 5e4 };
         let both = std::f64::consts::SQRT_2;
         let largest = both.hypot(both / smallest / ARCSEC);
@@ -184,15 +157,13 @@ fn noiseless_known_coils_equal_the_closed_form() {
     plan.instrument.as_mut().expect("an instrument").noise = None;
     plan.truth.residual_field_nt = None;
     plan.facility = None;
-    let (mu, eta) = {
-        let mut generator = ChaCha8Rng::seed_from_u64(3);
-        (tilted(&mut generator, 3.0), tilted(&mut generator, 2.0))
-    };
+    let mut generator = ChaCha8Rng::seed_from_u64(3);
+    let (mu, eta) = (tilted(&mut generator, 3.0), tilted(&mut generator, 2.0));
     let mut document = simulated(plan, &mu, &eta);
     let constant = |axis: Axis, document: &Document| {
         let calibration = document.calibration.as_ref().expect("constants");
-        let coil = calibration.coils.as_ref().and_then(|coils| coils.get(axis)).expect("a coil");
-        let sensor = calibration.sensors.as_ref().and_then(|sensors| sensors.get(axis)).expect("a sensor");
+        let coil = calibration.coil(axis).expect("a coil");
+        let sensor = calibration.sensor(axis).expect("a sensor");
         let value = |quantity: &Option<common::Quantity>| quantity.as_ref().expect("a constant").value();
         (value(&coil.constant_nt_per_a), value(&sensor.sensitivity_nt_per_v), value(&sensor.offset_nt))
     };
@@ -225,7 +196,7 @@ fn noiseless_known_coils_equal_the_closed_form() {
         Some(AxesCalibration { coils: directions(&eta), ..Default::default() });
     let document =
         axescal::run(document, &Options { coils: Coils::Known, ..Options::default() }).expect("directions");
-    let found = matrix(&axes(&document).sensors.as_ref().and_then(|part| part.matrix).expect("a matrix"));
+    let found = build::columns(&axes(&document).sensors);
     assert!((found - closed).amax() < 1e-9, "{found} {closed}");
     assert!((found - mu).amax() < 1e-9);
 }
