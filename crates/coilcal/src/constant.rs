@@ -50,7 +50,7 @@ pub fn calibrate(
         if kinds.is_empty() {
             let close =
                 candidates[1..].iter().filter(|other| best.gain - other.gain < RIVAL_WITHIN * best.variance);
-            rivals = close.map(|other| other.kind.name().to_string()).collect();
+            rivals = close.map(|other| other.kind.name.to_string()).collect();
         }
         kinds.push(best.kind);
         fit = departures::fit(readings, &kinds, &relative_std)?;
@@ -85,10 +85,9 @@ pub fn calibrate(
         levels: levels.len(),
         model: match kinds.as_slice() {
             [] => "line".into(),
-            kinds => format!(
-                "line with {}",
-                kinds.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
-            ),
+            kinds => {
+                format!("line with {}", kinds.iter().map(|kind| kind.name).collect::<Vec<_>>().join(" and "))
+            }
         },
         uncertainty: order
             .iter()
@@ -125,7 +124,7 @@ pub fn calibrate(
 
 /// A departure beside those that are fitted already.
 struct Candidate {
-    kind: DepartureKind,
+    kind: &'static DepartureKind,
     /// Reduction of the sum of squares, nT².
     gain: f64,
     /// Variance of a reading's residual beside it, nT².
@@ -136,17 +135,14 @@ struct Candidate {
 fn candidates(
     (readings, levels, relative_std): (&[Reading], &[Level], &[f64]),
     declared: Option<f64>,
-    (kinds, fit): (&[DepartureKind], &LinearFit),
-    looked: &[(DepartureKind, Departure)],
+    (kinds, fit): (&[&DepartureKind], &LinearFit),
+    looked: &[(&'static DepartureKind, Departure)],
 ) -> Result<Vec<Candidate>, Error> {
     let mut found = Vec::new();
     for (kind, _) in looked.iter().filter(|(kind, _)| !kinds.contains(kind)) {
         let wider = departures::fit(readings, &[kinds, &[*kind]].concat(), relative_std)?;
         let last = kinds.len() + 2;
-        if wider.rank <= last
-            || wider.freedom < 1.0
-            || (*kind == DepartureKind::Transverse && wider.coefficients[last] < 0.0)
-        {
+        if wider.rank <= last || wider.freedom < 1.0 || (kind.adds && wider.coefficients[last] < 0.0) {
             continue;
         }
         let scatter = scatter(levels, &wider, declared);
@@ -156,7 +152,7 @@ fn candidates(
         let (gain, variance) = ((fit.sum_of_squares - wider.sum_of_squares).max(0.0), scatter.std_nt.powi(2));
         let p_value = stats::two_sided_p((gain / variance).sqrt(), scatter.freedom);
         if p_value * (looked.len() as f64) < FOUND_BELOW {
-            found.push(Candidate { kind: *kind, gain, variance });
+            found.push(Candidate { kind, gain, variance });
         }
     }
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
@@ -190,7 +186,7 @@ fn residuals(
     columns
 }
 
-fn findings(coil: &Readings, kinds: &[DepartureKind], fit: &CoilFit) -> Vec<String> {
+fn findings(coil: &Readings, kinds: &[&DepartureKind], fit: &CoilFit) -> Vec<String> {
     let mut findings = Vec::new();
     for departure in fit.departures.iter().filter(|departure| departure.found) {
         let size: Vec<String> =

@@ -57,8 +57,7 @@ fn survey(
     let field: Vec<f64> = rows.iter().map(|row| reference[*row] * current_a / current[*row]).collect();
     let at: Vec<f64> = rows.iter().map(|row| position[*row]).collect();
     let places = places(&at);
-    let powers =
-        POWERS.iter().take(places.len().saturating_sub(1).min(POWERS.len())).copied().collect::<Vec<_>>();
+    let powers = &POWERS[..POWERS.len().min(places.len().saturating_sub(1))];
     if places.len() < 3 {
         return Err(Error::Unanswerable(format!(
             "recording \"{}\": {} along coil {coil}; a gradient needs at least three, on both sides of the coil's centre",
@@ -66,7 +65,11 @@ fn survey(
             counted(places.len(), "position")
         )));
     }
-    let fit = fit(&at, &field, &powers)?;
+    let design = Mat::from_fn(at.len(), 1 + powers.len(), |row, column| match column {
+        0 => 1.0,
+        _ => at[row].powi(powers[column - 1]),
+    });
+    let fit = linear::fit(design.as_ref(), &field, None)?;
     let noise_nt = (fit.sum_of_squares / fit.freedom.max(1.0)).sqrt();
     let quantity = |i: usize| {
         (i < fit.coefficients.len())
@@ -86,7 +89,7 @@ fn survey(
         fourth_nt_per_m4: quantity(3),
         worst_position_m: columns.position_m[worst],
         worst_departure_nt: Quantity::new(columns.departure_nt[worst], columns.std_nt[worst]),
-        off_centre: Some(off_centre(&fit, &powers, off_centre_m, noise_nt)),
+        off_centre: Some(off_centre(&fit, powers, off_centre_m, noise_nt)),
         places: columns,
         noise_nt,
         ..CoilSurvey::default()
@@ -105,14 +108,6 @@ fn places(at: &[f64]) -> Vec<Vec<usize>> {
         }
     }
     places
-}
-
-fn fit(at: &[f64], field: &[f64], powers: &[i32]) -> Result<LinearFit, Error> {
-    let design = Mat::from_fn(at.len(), 1 + powers.len(), |row, column| match column {
-        0 => 1.0,
-        _ => at[row].powi(powers[column - 1]),
-    });
-    Ok(linear::fit(design.as_ref(), field, None)?)
 }
 
 fn columns(places: &[Vec<usize>], at: &[f64], field: &[f64], fit: &LinearFit, noise_nt: f64) -> SurveyPlaces {

@@ -8,7 +8,6 @@ const SAME: f64 = 1e-4;
 /// Readings at one drive.
 #[derive(Clone, Debug)]
 pub struct Level {
-    /// Which readings.
     pub members: Vec<usize>,
 }
 

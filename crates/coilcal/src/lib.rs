@@ -34,6 +34,10 @@ impl Default for Options {
     }
 }
 
+/// The procedures that are read here.
+pub const PROCEDURES: [&str; 3] =
+    [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL];
+
 /// Where no recording is for this stage.
 const NOTHING: &str = "no recording with the procedure `coil_constant`, `coil_gradient` or `nulling_residual`; coilcal needs currents (or voltages across a resistor) with `reference_nt`, or readings in the nulled field";
 
@@ -46,8 +50,7 @@ pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
 }
 
 fn calibrated(mut document: Document, options: &Options) -> Result<Document, Error> {
-    let mine = [procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL];
-    if !document.recordings.iter().any(|recording| mine.contains(&recording.procedure.as_str())) {
+    if !document.recordings.iter().any(|recording| PROCEDURES.contains(&recording.procedure.as_str())) {
         return Err(Error::Request(NOTHING.into()));
     }
     let mut joint = Uncertainty::of(&document)?;

@@ -2,16 +2,12 @@
 
 use clap::Parser;
 use coilcal::Options;
-use common::procedure;
 use program::pipe::{self, Program, StageIo};
 use program::{manual, number};
 use std::process::ExitCode;
 
-const PROGRAM: Program = Program {
-    name: "coilcal",
-    version: env!("CARGO_PKG_VERSION"),
-    takes: &[procedure::COIL_CONSTANT, procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL],
-};
+const PROGRAM: Program =
+    Program { name: "coilcal", version: env!("CARGO_PKG_VERSION"), takes: &coilcal::PROCEDURES };
 
 /// Find the constants and gradients of a facility's coils, with their uncertainty
 #[derive(Parser)]

@@ -8,6 +8,7 @@ use common::{
 use estimate::even::{Evened, evened};
 use estimate::spectrum::{Spectrum, welch};
 use estimate::stats;
+use indexmap::IndexMap;
 
 use crate::Error;
 
@@ -31,7 +32,6 @@ const SPREAD: usize = 2;
 /// Sum of the correlations of neighbouring Hann estimates: 1 + 2 (4/9 + 1/36).
 const CORRELATED: f64 = 1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0);
 
-/// One series of one condition.
 struct Series<'a> {
     recording: &'a Recording,
     rate_hz: f64,
@@ -44,24 +44,16 @@ struct Series<'a> {
 /// The spectra of every condition; None without a recording. `nyquist_hz` is that of the instrument that will
 /// measure.
 pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCalibration>, Error> {
-    let mut found = NullingCalibration::default();
-    let mut sites: Vec<String> = Vec::new();
+    let mut sites: IndexMap<String, Vec<(usize, &Recording)>> = IndexMap::new();
     for (index, recording) in document.recordings.iter().enumerate() {
         if recording.procedure == procedure::NULLING_RESIDUAL {
-            let site = site(recording, index)?;
-            if !sites.contains(&site) {
-                sites.push(site);
-            }
+            sites.entry(site(recording, index)?).or_default().push((index, recording));
         }
     }
-    for name in sites {
-        let mut series = Vec::new();
-        for (index, recording) in document.recordings.iter().enumerate() {
-            if recording.procedure == procedure::NULLING_RESIDUAL && site(recording, index)? == name {
-                series.push(read(document, recording, index)?);
-            }
-        }
-        found.sites.insert(name, merge(series, nyquist_hz));
+    let mut found = NullingCalibration::default();
+    for (name, recordings) in sites {
+        let series = recordings.into_iter().map(|(index, recording)| read(document, recording, index));
+        found.sites.insert(name, merge(series.collect::<Result<_, Error>>()?, nyquist_hz));
     }
     let total = |site: &SiteSpectra| {
         let longest = site.expected.last()?;
@@ -185,42 +177,31 @@ fn of<'s>(series: &'s Series<'_>, axis: Axis) -> Option<&'s Spectrum> {
 /// of its estimates together, less what neighbours share.
 fn binned(series: &[Series<'_>], axis: Axis) -> MergedSpectrum {
     let mut merged = MergedSpectrum::default();
-    let mut push = |frequency: f64, density: f64, freedom: f64| {
-        let quantile = |p: f64| stats::chi_squared_quantile(p, freedom) / freedom;
-        merged.frequency_hz.push(frequency);
-        merged.density_nt2_per_hz.push(density);
-        merged.low_nt2_per_hz.push(density / quantile(0.975));
-        merged.high_nt2_per_hz.push(density / quantile(0.025));
-    };
     for one in series {
         let Some(spectrum) = of(one, axis) else { continue };
-        let mut bin: Option<(i64, f64, f64, f64)> = None;
+        // Number, and sums of densities, frequencies and estimates.
+        let mut bins: Vec<(i64, f64, f64, f64)> = Vec::new();
         let inside = spectrum.frequency_hz.iter().zip(&spectrum.density);
         for (frequency, density) in inside.filter(|(f, _)| (one.band_hz[0]..=one.band_hz[1]).contains(*f)) {
             let number = (frequency.log10() * BINS).floor() as i64;
-            match &mut bin {
-                Some((open, sum, frequencies, count)) if *open == number => {
-                    *sum += density;
-                    *frequencies += frequency;
-                    *count += 1.0;
+            match bins.last_mut() {
+                Some(open) if open.0 == number => {
+                    *open = (number, open.1 + density, open.2 + frequency, open.3 + 1.0);
                 }
-                _ => {
-                    if let Some((_, sum, frequencies, count)) = bin.take() {
-                        push(frequencies / count, sum / count, freedom(spectrum, count));
-                    }
-                    bin = Some((number, *density, *frequency, 1.0));
-                }
+                _ => bins.push((number, *density, *frequency, 1.0)),
             }
         }
-        if let Some((_, sum, frequencies, count)) = bin {
-            push(frequencies / count, sum / count, freedom(spectrum, count));
+        for (_, sum, frequencies, count) in bins {
+            let freedom = spectrum.freedom * count / CORRELATED.min(count);
+            let quantile = |p: f64| stats::chi_squared_quantile(p, freedom) / freedom;
+            let density = sum / count;
+            merged.frequency_hz.push(frequencies / count);
+            merged.density_nt2_per_hz.push(density);
+            merged.low_nt2_per_hz.push(density / quantile(0.975));
+            merged.high_nt2_per_hz.push(density / quantile(0.025));
         }
     }
     merged
-}
-
-fn freedom(spectrum: &Spectrum, count: f64) -> f64 {
-    spectrum.freedom * count / if count > 1.0 { CORRELATED.min(count) } else { 1.0 }
 }
 
 /// √∫ P df from one over the length to the Nyquist frequency of the instrument, over what was recorded.

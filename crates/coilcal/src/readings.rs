@@ -6,9 +6,8 @@ use common::{Axis, Document, Error, Recording, procedure};
 
 /// All readings of one coil.
 pub struct Readings {
-    /// The coil.
     pub coil: Axis,
-    /// The recordings.
+    /// Their ids.
     pub recordings: Vec<String>,
     /// Readings by time where each recording says when it began, else as they are listed.
     pub readings: Vec<Reading>,
@@ -16,10 +15,8 @@ pub struct Readings {
     pub volts: bool,
 }
 
-/// One reading.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading {
-    /// Current, A.
     pub current_a: f64,
     /// Field along the coil, with the sign of the current, nT.
     pub field_nt: f64,
@@ -87,20 +84,15 @@ pub fn drive(
         return Err(Error::document(format!("{path}.columns"), format!("no drive of coil {coil}"), expected));
     };
     let key = format!("facility.coils.{coil}.resistor_ohm");
-    match resistor(document, coil) {
+    let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
+    match coils.and_then(|coils| coils.get(coil)?.resistor_ohm) {
         Some(ohm) if ohm.is_finite() && ohm > 0.0 => Ok((volts.iter().map(|v| v / ohm).collect(), true)),
         Some(ohm) => Err(Error::document(key, ohm.to_string(), "a positive resistance")),
-        None => Err(Error::document(
-            key,
-            "no such key",
-            "the precision resistor across which the voltage was measured",
-        )),
+        None => {
+            let expected = "the precision resistor across which the voltage was measured";
+            Err(Error::document(key, "no such key", expected))
+        }
     }
-}
-
-/// R of the coil's precision resistor, ohm.
-pub fn resistor(document: &Document, coil: Axis) -> Option<f64> {
-    document.facility.as_ref()?.coils.as_ref()?.get(coil)?.resistor_ohm
 }
 
 /// Fields that a scalar magnetometer can have read.
@@ -113,12 +105,8 @@ pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), E
     let stated = document.facility.as_ref().and_then(|facility| facility.reference_range_nt);
     let [low, high] = stated.unwrap_or(SCALAR_NT);
     let outside = |field: &f64| *field < low * (1.0 - SCALAR_MARGIN) || *field > high * (1.0 + SCALAR_MARGIN);
-    let rows: Vec<String> = reference
-        .iter()
-        .enumerate()
-        .filter(|(_, field)| outside(field))
-        .map(|(row, _)| row.to_string())
-        .collect();
+    let rows = reference.iter().enumerate().filter(|(_, field)| outside(field));
+    let rows: Vec<String> = rows.map(|(row, _)| row.to_string()).collect();
     if rows.is_empty() {
         return Ok(());
     }

@@ -14,9 +14,7 @@ const PRIOR_FREEDOM: f64 = 4.0;
 
 /// The standard deviation on which type A uncertainties rest.
 pub struct Scatter {
-    /// nT.
     pub std_nt: f64,
-    /// Its degrees of freedom.
     pub freedom: f64,
     /// Where it comes from, in words.
     pub source: &'static str,

@@ -40,46 +40,41 @@ fn each(law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(3)).for_each(|seed| law(seed, &campaign(&plan(seed))));
 }
 
+/// A change of the document, by the campaign, changes the answer alike.
+fn commutes(name: &str, change: impl Fn(&Value, u64) -> Value) {
+    let close = &Close::SUMMED;
+    each(|seed, document| laws::commutes(name, document, |document| change(document, seed), run, close));
+}
+
 #[test]
 fn the_names_of_the_axes_do_not_matter() {
-    each(|_, document| laws::commutes("rename", document, laws::rename_axes, run, &Close::SUMMED));
+    commutes("rename", |document, _| laws::rename_axes(document));
 }
 
 #[test]
 fn volts_and_amperes_by_another_measure_scale_the_constants() {
-    let law = |_, document: &Value| {
-        laws::commutes("volts", document, |document| laws::scale_volts(document, 0.73), run, &Close::SUMMED);
-    };
-    each(law);
+    commutes("volts", |document, _| laws::scale_volts(document, 0.73));
 }
 
+/// A scalar magnetometer knows no directions.
 #[test]
 fn the_frame_of_the_laboratory_does_not_matter() {
-    // A scalar magnetometer knows no directions.
-    let law = |seed, document: &Value| {
-        let turn = |document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
-        laws::commutes("geo", document, turn, run, &Close::SUMMED);
-    };
-    each(law);
+    commutes("geo", |document, seed| laws::rotate_geo(document, &laws::rotation(seed)));
 }
 
 #[test]
 fn the_order_of_recordings_does_not_matter() {
-    let reorder = |seed, document: &Value| {
-        laws::commutes("order", document, |document| laws::reorder(document, seed), run, &Close::SUMMED);
-    };
-    each(reorder);
+    commutes("order", laws::reorder);
 }
 
 #[test]
 fn a_constant_in_two_recordings_is_the_same() {
-    let law = |seed, document: &Value| {
+    // What was recorded differs, and the ids of the recordings.
+    let close = Close::SUMMED.but(&["recordings"]);
+    each(|seed, document| {
         let halves = |document: &Value| laws::split(document, "coil_constant", 1, seed);
-        // What was recorded differs, and the ids of the recordings.
-        let close = Close::SUMMED.but(&["recordings"]);
         laws::invariant("split", document, halves, run, &close);
-    };
-    each(law);
+    });
 }
 
 #[test]
