@@ -54,7 +54,6 @@ pub fn adopt(document: &mut Document, sensor: Axis, found: &SensorFindings) {
     model.effects.extend(effects);
 }
 
-/// An effect of a sensor.
 pub fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> AdoptedEffect {
     let extra = [(FOUND_BY.0.to_string(), FOUND_BY.1.into())].into_iter().collect();
     AdoptedEffect {

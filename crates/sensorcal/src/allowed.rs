@@ -15,14 +15,6 @@ pub const WEIGHTY: f64 = 1e-3;
 /// The rows of one recording: how many, and when, where that is known.
 pub type Rows = (usize, Option<Vec<f64>>);
 
-/// One covariance over one recording.
-pub struct Block {
-    /// Rows of rows, nT².
-    pub covariance: Vec<f64>,
-    /// Share of noise with memory in the variance of a reading.
-    pub memory_share: f64,
-}
-
 /// Noise with memory as a sum of processes, by which readings are whitened in one pass.
 #[derive(Debug)]
 struct InOnePass(noise::Whitening);
@@ -61,22 +53,23 @@ impl Allowed {
         Self { source, known, ..Self::default() }
     }
 
-    /// One more with its probability beforehand: a block for each recording by its number and rows, made sure
-    /// of by a billionth of its diagonal.
+    /// One more with its probability beforehand: for each recording, by its number and rows, the covariance as
+    /// rows of rows, nT², made sure of by a billionth of its diagonal, and the share of noise with memory in
+    /// the variance of a reading.
     pub fn add(
         &mut self,
         recordings: &[Rows],
         probability: f64,
-        block: impl Fn(usize, usize) -> Result<Block, Error>,
+        block: impl Fn(usize, usize) -> Result<(Vec<f64>, f64), Error>,
     ) -> Result<(), Error> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut blocks = Vec::new();
         let mut memory_share = 0.0;
         for (number, (rows, _)) in recordings.iter().enumerate() {
-            let one = block(number, *rows)?;
+            let (covariance, share) = block(number, *rows)?;
             let sure = |i: usize, j: usize| if i == j { 1.0 + 1e-9 } else { 1.0 };
-            blocks.push(Mat::from_fn(*rows, *rows, |i, j| one.covariance[i * rows + j] * sure(i, j)));
-            memory_share += one.memory_share * *rows as f64 / total as f64;
+            blocks.push(Mat::from_fn(*rows, *rows, |i, j| covariance[i * rows + j] * sure(i, j)));
+            memory_share += share * *rows as f64 / total as f64;
         }
         self.whitenings.push(Whitening::of(&blocks)?.weighing(probability));
         self.memory_shares.push(memory_share);

@@ -12,7 +12,6 @@ use crate::readings::Run;
 /// Effects of temperature on one sensor with the covariance of their parameters.
 #[derive(Clone)]
 pub struct Conditions {
-    /// The effects.
     pub effects: Vec<EffectInstance>,
     /// Covariance over their parameters, one effect after the other.
     pub covariance: Mat<f64>,
@@ -23,7 +22,6 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// None.
     pub fn none() -> Self {
         Self { effects: Vec::new(), covariance: Mat::new(), paths: Vec::new(), block: None }
     }

@@ -78,7 +78,6 @@ pub fn beside(design: &Mat<f64>, column: &[f64]) -> Mat<f64> {
 pub struct Extended {
     /// The fit; the departures that were found are its last unknowns.
     pub fit: Fit,
-    /// All that were looked for.
     pub departures: Vec<Departure>,
     /// Names of those that were found, in the order of their unknowns.
     pub found: Vec<&'static str>,

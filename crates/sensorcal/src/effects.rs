@@ -17,7 +17,6 @@ use faer::Mat;
 const VISIBLE: f64 = 0.2;
 pub const KINDS: [Kind; 2] = [Kind::CrossField, Kind::CrossFieldSensitivity];
 
-/// One parameter that is sought.
 #[derive(Clone)]
 pub struct Sought {
     pub kind: Kind,

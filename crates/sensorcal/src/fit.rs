@@ -42,7 +42,6 @@ pub struct KnownParameters {
     pub rests_on: By,
 }
 
-/// What is fitted.
 #[derive(Clone)]
 pub struct Problem<'a, 'b> {
     /// The recordings; constants of the sensor start as they stand there.
@@ -51,17 +50,15 @@ pub struct Problem<'a, 'b> {
     pub effects: Vec<EffectInstance>,
     pub unknowns: Vec<Unknown>,
     pub known: Vec<KnownParameters>,
-    /// The noise.
     pub allowed: &'a Allowed,
 }
 
 /// The noise that is allowed for in runs.
 pub fn noise(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed, Error> {
     let rows: Vec<Rows> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
-    shape.allowed(&rows, place)
+    shape.allowed(&rows, place, None)
 }
 
-/// What was found.
 #[derive(Clone)]
 pub struct Fit {
     pub values: Vec<f64>,
@@ -126,7 +123,6 @@ impl Fit {
     }
 }
 
-/// Where the iteration stands.
 #[derive(Clone)]
 struct State {
     basics: Vec<Basic>,
@@ -163,7 +159,6 @@ impl Descent for Problem<'_, '_> {
 }
 
 impl Problem<'_, '_> {
-    /// The same with other unknowns.
     pub fn with(&self, unknowns: Vec<Unknown>) -> Self {
         Self { unknowns, ..self.clone() }
     }
@@ -282,7 +277,6 @@ impl Problem<'_, '_> {
         Ok(missed)
     }
 
-    /// Where the iteration begins.
     fn first(&self) -> State {
         let mut basics: Vec<Basic> = self.runs.iter().map(|run| run.basic.clone()).collect();
         for unknown in &self.unknowns {

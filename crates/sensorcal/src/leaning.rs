@@ -19,7 +19,6 @@ pub const ACROSS: f64 = 0.01;
 /// Orientations that differ by less than this are one setting of the block, rad.
 const ONE_SETTING: f64 = 3e-4;
 
-/// A lean towards a coil.
 pub struct Leaning {
     pub coil: Axis,
     /// The runs in which it is the same.
@@ -36,7 +35,6 @@ pub struct Across {
 }
 
 impl Across {
-    /// Of a sensor's runs.
     pub fn of(runs: &[Run<'_>]) -> Result<Self, Error> {
         let all: Vec<usize> = (0..runs.len()).collect();
         let (changing, held): (Vec<usize>, Vec<usize>) =

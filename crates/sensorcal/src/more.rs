@@ -33,18 +33,13 @@ impl Memory {
 /// with memory.
 #[derive(Clone, Copy)]
 pub struct More {
-    /// Of white noise.
     pub white: f64,
-    /// Of slow noise.
     pub slow: f64,
-    /// Which that is.
     pub memory: Memory,
-    /// Probability beforehand.
     pub probability: f64,
 }
 
 impl More {
-    /// No other noise.
     pub const NONE: More = More { white: 0.0, slow: 0.0, memory: Memory::Flicker, probability: 1.0 };
 
     /// Of the field beside a sensor whose noise is known; with a walk where it drifts.

@@ -21,7 +21,6 @@ const FOLDS: usize = 3;
 
 /// A reading that was left out of a fit.
 pub struct LeftOut {
-    /// Number of its run.
     pub run: usize,
     pub row: usize,
     /// What the fit misses it by without any effect of fields across, nT; constants and leans are those found

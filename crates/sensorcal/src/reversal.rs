@@ -139,7 +139,6 @@ pub fn imperfect(reversals: &[Reversal], angle_deg: f64, across_nt: Option<f64>)
     }
 }
 
-/// What one recording gives.
 pub struct Outcome {
     pub reversal: Reversal,
     /// Variance of the offset from scatter, nT²; the rest is common to recordings.
@@ -150,7 +149,6 @@ pub struct Outcome {
     pub by_temperature: Option<Vec<f64>>,
 }
 
-/// One recording.
 pub fn one(
     document: &Document,
     recording: &Recording,
@@ -210,9 +208,9 @@ pub fn one(
     pairs.used = used;
     let offset = fit.coefficients[0];
     // The parameters of temperature move the offset by their mean derivative.
-    let by_temperature: Option<Vec<f64>> = contribution
-        .as_ref()
-        .map(|contribution| contribution.derivatives.iter().map(|column| mean(column, &kept)).collect());
+    let mean = |column: &Vec<f64>| kept.iter().map(|row| column[*row]).sum::<f64>() / kept.len() as f64;
+    let by_temperature: Option<Vec<f64>> =
+        contribution.as_ref().map(|contribution| contribution.derivatives.iter().map(mean).collect());
     let scatter_nt2 = scatter(&series, &kept, &fit, code_nt)?;
     let common = by_temperature.as_ref().map_or(0.0, |by| conditions.variance(by));
     let by_sensitivity_nt = offset * k_std / k;
@@ -258,11 +256,6 @@ fn scatter(
     Ok(if series.shape.is_known() { own } else { own.max(independent) } + floor)
 }
 
-fn mean(column: &[f64], rows: &[usize]) -> f64 {
-    rows.iter().map(|row| column[*row]).sum::<f64>() / rows.len() as f64
-}
-
-/// One recording as field.
 struct Series<'a> {
     recording: &'a Recording,
     field: &'a [f64],
@@ -295,7 +288,8 @@ impl Series<'_> {
 
     fn fit(&self, rows: &[usize]) -> Result<(correlated::CorrelatedFit, common::FitNoise), Error> {
         let (design, y) = self.problem(rows);
-        let allowed = self.shape.allowed(&[(rows.len(), times(self.recording, rows))], Place::Shield)?;
+        let recordings = [(rows.len(), times(self.recording, rows))];
+        let allowed = self.shape.allowed(&recordings, Place::Shield, None)?;
         let fit = correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted)?;
         if fit.freedom < 1.0 {
             let id = &self.recording.id;

@@ -3,7 +3,7 @@
 use common::{Axis, Document, Noise, SensorNoise};
 
 use crate::Error;
-use crate::allowed::{Allowed, Block, Rows, WEIGHTY, undetermined};
+use crate::allowed::{Allowed, Rows, WEIGHTY, undetermined};
 use crate::more::{Memory, More};
 
 /// A recording longer than this sees the field in the coils drift, s.
@@ -24,7 +24,6 @@ pub enum Place {
     Coils,
     /// The same in several recordings that share their constants, so that each may have a level of its own.
     Levels,
-    /// In a shield.
     Shield,
 }
 
@@ -68,21 +67,18 @@ impl Shape {
     /// or how many rows it has. Where the sensor's noise is known and a coil makes the field, white and
     /// flicker noise of the field may come on top, and in recordings of more than two hours a random walk;
     /// where it is not known, white noise alone or with flicker noise in every proportion.
-    pub fn allowed(&self, recordings: &[Rows], place: Place) -> Result<Allowed, Error> {
-        self.allowed_beyond(FULL, recordings, place, None)
-    }
-
-    /// The same where the noise of each reading has a size of its own, by recording and row; in one pass,
-    /// each recording. What is slower than the readings follow each other scatters with a power of that, any
-    /// of [`POWERS`]: traffic by day may add more to the slow noise than to the fast. Only of what has some
-    /// of the `weights`, which a fit gave to those without.
-    pub fn sized(
+    ///
+    /// With sizes and weights, the noise of each reading has a size of its own, by recording and row; in one
+    /// pass, each recording. What is slower than the readings follow each other scatters with a power of that,
+    /// any of [`POWERS`]: traffic by day may add more to the slow noise than to the fast. Only of what has some
+    /// of the weights, which a fit gave to those without.
+    pub fn allowed(
         &self,
         recordings: &[Rows],
         place: Place,
-        (sizes, weights): (&[Vec<f64>], &[f64]),
+        sized: Option<(&[Vec<f64>], &[f64])>,
     ) -> Result<Allowed, Error> {
-        self.allowed_beyond(FULL, recordings, place, Some((sizes, weights)))
+        self.allowed_beyond(FULL, recordings, place, sized)
     }
 
     /// The same with full matrices for so many readings.
@@ -168,7 +164,7 @@ impl Shape {
                         all[row * rows + row] += sizes[row].powi(2) * (white + added);
                     }
                 }
-                Ok(Block { covariance: all, memory_share: 1.0 - (white / mean + more.white) / total })
+                Ok((all, 1.0 - (white / mean + more.white) / total))
             })?;
         }
         Ok(allowed)

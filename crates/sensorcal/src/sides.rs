@@ -55,7 +55,6 @@ pub struct Lean {
     pub std: f64,
 }
 
-/// The directions.
 pub struct Directions {
     /// Columns = unit vectors of the coils in GEO.
     pub eta: Matrix3<f64>,

@@ -16,7 +16,6 @@ const STRETCH: usize = 45;
 
 /// The noise with each stretch's size, and the degrees of freedom of these.
 pub struct Sized {
-    /// The covariances.
     pub allowed: Allowed,
     /// How many readings are in each stretch, and the degrees of freedom of its size; none: one size for all.
     stretches: Vec<(usize, f64)>,
@@ -54,7 +53,7 @@ impl Sized {
         let stretches = rows.iter().zip(&own).map(|(rows, (_, freedom))| (*rows, prior + freedom)).collect();
         let recordings: Vec<_> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
         let weights = fit.linear.mixture.weights();
-        Ok(Self { allowed: shape.sized(&recordings, place, (&sizes, weights))?, stretches })
+        Ok(Self { allowed: shape.allowed(&recordings, place, Some((&sizes, weights)))?, stretches })
     }
 
     /// The smallest of the effective degrees of freedom of some unknowns of a fit under this noise (Welch and

@@ -22,13 +22,9 @@ const TOLD_BELOW: f64 = 0.01;
 /// Above this probability that a random walk is less than the dates' own errors, it is not seen.
 const UNSEEN_ABOVE: f64 = 0.05;
 
-/// One date.
 pub struct Date {
-    /// Its recording.
     pub recording: String,
-    /// When, s.
     pub time_s: f64,
-    /// The offset.
     pub offset: Quantity,
     /// Mean temperature of the sensor, where it was recorded.
     pub temperature_c: Option<f64>,

@@ -57,34 +57,29 @@ fn each(law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(2)).for_each(|seed| law(seed, &campaign(&acting(seed))));
 }
 
+/// A change of the document, by the campaign, changes the answer alike.
+fn commutes(name: &str, change: impl Fn(&Value, u64) -> Value, close: &Close) {
+    each(|seed, document| laws::commutes(name, document, |document| change(document, seed), run, close));
+}
+
 #[test]
 fn the_names_of_the_axes_do_not_matter() {
-    each(|_, document| laws::commutes("rename", document, laws::rename_axes, run, &Close::SOLVED));
+    commutes("rename", |document, _| laws::rename_axes(document), &Close::SOLVED);
 }
 
 #[test]
 fn volts_and_amperes_by_another_measure_scale_the_sensitivities() {
-    let law = |_, document: &Value| {
-        laws::commutes("volts", document, |document| laws::scale_volts(document, 0.73), run, &Close::SOLVED);
-    };
-    each(law);
+    commutes("volts", |document, _| laws::scale_volts(document, 0.73), &Close::SOLVED);
 }
 
 #[test]
 fn the_frame_of_the_laboratory_does_not_matter() {
-    let law = |seed, document: &Value| {
-        let turn = |document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
-        laws::commutes("geo", document, turn, run, &Close::SOLVED);
-    };
-    each(law);
+    commutes("geo", |document, seed| laws::rotate_geo(document, &laws::rotation(seed)), &Close::SOLVED);
 }
 
 #[test]
 fn the_order_of_recordings_does_not_matter() {
-    let law = |seed, document: &Value| {
-        laws::commutes("order", document, |document| laws::reorder(document, seed), run, &Close::EXACT);
-    };
-    each(law);
+    commutes("order", laws::reorder, &Close::EXACT);
 }
 
 /// A temperature at which nothing changes is the ratio of two coefficients; where both are noise, so is their
