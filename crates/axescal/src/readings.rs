@@ -13,7 +13,6 @@ const MOST_DOUBTFUL: usize = 20;
 /// A reading that does not belong to the rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubt {
-    /// Number of the reading.
     pub reading: usize,
     /// Reading less the prediction made without it, nT.
     pub leave_one_out_nt: f64,

@@ -50,7 +50,6 @@ fn estimated(
     Ok(Estimate { scale: robust_scale.unwrap_or(spread.scale()), fit, weights, spread })
 }
 
-/// Noise and fit that agree.
 pub(crate) struct Settled<'a> {
     observations: &'a Observations,
     pub estimate: Estimate,

@@ -8,9 +8,7 @@ use crate::{AxesState, Coils, Error, Observations, Options, Start};
 
 /// A start, with what had to be turned round or swapped for it, in words.
 pub struct Beginning {
-    /// The state to begin from.
     pub state: AxesState,
-    /// Reversed or swapped channels.
     pub findings: Vec<String>,
 }
 

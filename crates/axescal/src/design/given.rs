@@ -193,11 +193,6 @@ impl Given {
         ]
         .map(|seconds| seconds / 3600.0)
     }
-
-    /// Time of the temperature levels, h.
-    pub fn temperature_hours(&self) -> f64 {
-        self.times.temperature_levels as f64 * self.times.temperature_s / 3600.0
-    }
 }
 
 /// A standard uncertainty that is neither zero, which no sum of information can hold, nor more than unknown.

@@ -100,7 +100,6 @@ impl Pieces {
 
 /// Derivatives of the readings in one orientation with nominal axes, whitened by their noise.
 pub struct Derivatives {
-    /// By everything.
     pub jacobian: DMatrix<f64>,
     /// The columns of what is common, in the order of [`Information`].
     pub common: Vec<usize>,

@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, SMatrix};
 use physics::frames::ARCSEC;
 use rayon::prelude::*;
 
-use super::given::{Given, Setting};
+use super::given::{Given, Setting, Times};
 use super::information::{ALL, Information, Pieces, Said, TURNS};
 use super::radius::Reach;
 
@@ -40,7 +40,8 @@ impl Recordings {
     pub fn hours(&self, given: &Given) -> [f64; 4] {
         let [turns, theodolites, drives] =
             given.hours(&self.setting).map(|hours| hours * self.orientations.len() as f64);
-        [turns, theodolites, drives, given.temperature_hours()]
+        let Times { temperature_levels, temperature_s, .. } = given.times;
+        [turns, theodolites, drives, temperature_levels as f64 * temperature_s / 3600.0]
     }
 }
 
@@ -88,7 +89,6 @@ pub fn covariance(said: &Said, prior: &Information) -> Option<Information> {
 
 /// The search for the least time.
 pub struct Search<'a> {
-    /// What is given.
     pub given: &'a Given,
     /// Orientations that the fixture can take.
     pub candidates: &'a [Matrix3<f64>],

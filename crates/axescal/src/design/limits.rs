@@ -12,7 +12,6 @@ use super::radius::axes;
 /// One source of the error of the direction that errs most.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Limit {
-    /// What it is.
     pub source: String,
     /// Its part of the variance.
     pub share: f64,
@@ -23,7 +22,6 @@ pub struct Limit {
 /// What a change would give.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct More {
-    /// What is changed.
     pub change: String,
     /// Largest error of a direction then, arcsec.
     pub worst_arcsec: f64,

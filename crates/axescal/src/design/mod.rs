@@ -18,6 +18,5 @@ mod search;
 
 pub use basis::{given, ordinary, proof};
 pub use command::{Arguments, main};
-pub use given::{Given, Setting, Times};
-pub use ranking::{Design, ErrorModel, OneMore, Row, design, worst_arcsec};
-pub use report::{Cost, Hours, Plan, Predicted, Recorded, Request, plan};
+pub use ranking::{ErrorModel, worst_arcsec};
+pub use report::{Request, plan};

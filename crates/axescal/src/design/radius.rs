@@ -42,7 +42,6 @@ pub struct Reach {
 }
 
 impl Reach {
-    /// For a probability.
     pub fn new(probability: f64) -> Self {
         let of = |shape: usize| {
             let b = shape as f64 / SHAPES as f64;

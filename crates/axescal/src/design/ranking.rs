@@ -31,7 +31,6 @@ pub struct ErrorModel {
 /// The best orientations and what others would give.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Design {
-    /// What the readings err by.
     pub error_model: ErrorModel,
     /// Number of orientations that the fixture can take.
     pub candidates: usize,
@@ -58,7 +57,6 @@ pub struct OneMore {
 /// The best set of one size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Number of orientations.
     pub number: usize,
     /// Largest standard deviation, arcsec; absent where no set determines the directions.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -32,20 +32,15 @@ pub struct Request {
 /// The recordings of the least time, what they reach, and what limits it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
-    /// What was asked for.
     #[serde(flatten)]
     pub request: Request,
-    /// What is recorded.
     pub recordings: Recorded,
     /// Time at the facility, h.
     pub hours: Hours,
-    /// What they reach.
     pub predicted: Predicted,
     /// What makes the error of the direction that errs most.
     pub limits: Vec<Limit>,
-    /// What more would give.
     pub more: Vec<More>,
-    /// What other targets cost.
     pub table: Vec<Cost>,
     /// What the facility and the instrument err by.
     pub given: Given,
@@ -76,11 +71,8 @@ pub struct Hours {
     pub orientations: f64,
     /// Reading the theodolites again.
     pub theodolites: f64,
-    /// Drives.
     pub drives: f64,
-    /// Levels of temperature.
     pub temperatures: f64,
-    /// All of it.
     pub total: f64,
 }
 
@@ -94,9 +86,7 @@ impl Hours {
 /// Errors of the directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Predicted {
-    /// Of the sensors.
     pub sensors: Directions,
-    /// Of the coils.
     pub coils: Directions,
     /// The largest that counts: within this with the probability that was asked for, arcsec.
     pub worst_arcsec: f64,

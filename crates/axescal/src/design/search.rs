@@ -30,7 +30,6 @@ pub struct Scored {
 }
 
 impl Field {
-    /// Scores a set.
     pub fn score(&self, mut members: Vec<usize>) -> Scored {
         members.sort_unstable();
         let sum = members.iter().fold(Information::zeros(), |sum, &member| sum + self.information[member]);
