@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::os::unix::fs::symlink;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A command of a page, and the lines that the page shows of what it prints.
@@ -47,23 +47,16 @@ fn stands_in(shown: &str, printed: &str) -> bool {
         })
 }
 
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace")
+}
+
 /// Runs the commands of a page in a folder of its own.
 fn runs(page: &str) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
+    let root = root();
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    for other in [
-        "simulate",
-        "ingest",
-        "series",
-        "coilcal",
-        "sensorcal",
-        "scalarcal",
-        "diffmag",
-        "diagnose",
-        "correct",
-        "report",
-        "fluxcal",
-    ] {
+    let others = "simulate ingest series coilcal sensorcal scalarcal diffmag diagnose correct report fluxcal";
+    for other in others.split(' ') {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
     let path = format!("{}:{}", binaries.display(), std::env::var("PATH").expect("a path"));
@@ -100,8 +93,7 @@ fn runs(page: &str) {
 /// Every page of the folder, whichever there are.
 #[test]
 fn tutorials() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/tutorial");
-    let mut pages: Vec<_> = fs::read_dir(folder)
+    let mut pages: Vec<_> = fs::read_dir(root().join("docs/tutorial"))
         .expect("a folder")
         .map(|page| page.expect("a page").file_name().into_string().expect("UTF-8"))
         .collect();
@@ -110,8 +102,8 @@ fn tutorials() {
     for page in pages {
         let page = format!("docs/tutorial/{page}");
         runs(&page);
-        let lines = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(&page));
-        assert!(lines.expect("a page").lines().count() < 100, "{page}: a tutorial has less than 100 lines");
+        let text = fs::read_to_string(root().join(&page)).expect("a page");
+        assert!(text.lines().count() < 100, "{page}: a tutorial has less than 100 lines");
     }
 }
 

@@ -1,9 +1,9 @@
 //! Far starts, reversed wiring, swapped columns, a given first model, coils known beforehand.
 
 use axescal::{Coils, Options, Start};
-use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach};
+use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, Quantity};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
-use physics::frames::{ARCSEC, matrix, rows};
+use physics::frames::{ARCSEC, rows};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
@@ -160,42 +160,26 @@ fn noiseless_known_coils_equal_the_closed_form() {
     let mut generator = ChaCha8Rng::seed_from_u64(3);
     let (mu, eta) = (tilted(&mut generator, 3.0), tilted(&mut generator, 2.0));
     let mut document = simulated(plan, &mu, &eta);
-    let constant = |axis: Axis, document: &Document| {
-        let calibration = document.calibration.as_ref().expect("constants");
-        let coil = calibration.coil(axis).expect("a coil");
-        let sensor = calibration.sensor(axis).expect("a sensor");
-        let value = |quantity: &Option<common::Quantity>| quantity.as_ref().expect("a constant").value();
-        (value(&coil.constant_nt_per_a), value(&sensor.sensitivity_nt_per_v), value(&sensor.offset_nt))
-    };
-    let columns = &document.recordings[0].columns;
-    let coil = |i: usize, row: usize| {
-        let axis = Axis::ALL[i];
-        columns[&format!("coil_{axis}_a")][row] * constant(axis, &document).0
-    };
-    let sensor = |i: usize, row: usize| {
-        let axis = Axis::ALL[i];
-        let (_, sensitivity, offset) = constant(axis, &document);
-        columns[&format!("sensor_{axis}_v")][row] * sensitivity + offset
-    };
-    let (drive, measured) = (Matrix3::from_fn(coil), Matrix3::from_fn(sensor));
+    let recording = &document.recordings[0];
+    let calibration = document.calibration.as_ref().expect("constants");
+    let value = |quantity: &Option<Quantity>| quantity.as_ref().expect("a constant").value();
+    let drive = Matrix3::from_fn(|i, row| {
+        let coil = calibration.coil(Axis::ALL[i]).expect("a coil");
+        recording.columns[&format!("coil_{}_a", Axis::ALL[i])][row] * value(&coil.constant_nt_per_a)
+    });
+    let measured = Matrix3::from_fn(|i, row| {
+        let sensor = calibration.sensor(Axis::ALL[i]).expect("a sensor");
+        let volts = recording.columns[&format!("sensor_{}_v", Axis::ALL[i])][row];
+        volts * value(&sensor.sensitivity_nt_per_v) + value(&sensor.offset_nt)
+    });
     let b = measured * drive.try_inverse().expect("independent drives");
-    let rotation = matrix(&document.recordings[0].conditions.theodolite.as_ref().map_or_else(
-        || document.recordings[0].conditions.orientation.expect("an orientation"),
-        |angles| {
-            let orientation = physics::frames::Orientation::from_theodolite(
-                angles,
-                angles.nominal_rotation.as_ref(),
-                |_| None,
-            );
-            rows(&orientation.expect("a rotation").rotation)
-        },
-    ));
+    let rotation = physics::orientation(&document, recording).expect("a rotation").rotation;
     let closed =
         (rotation * eta * b.try_inverse().expect("regular")).try_inverse().expect("regular").transpose();
     document.calibration.get_or_insert_default().axes =
         Some(AxesCalibration { coils: directions(&eta), ..Default::default() });
-    let document =
-        axescal::run(document, &Options { coils: Coils::Known, ..Options::default() }).expect("directions");
+    let known = Options { coils: Coils::Known, ..Options::default() };
+    let document = axescal::run(document, &known).expect("directions");
     let found = build::columns(&axes(&document).sensors);
     assert!((found - closed).amax() < 1e-9, "{found} {closed}");
     assert!((found - mu).amax() < 1e-9);
@@ -203,14 +187,14 @@ fn noiseless_known_coils_equal_the_closed_form() {
 
 #[test]
 fn one_wrong_constant_is_named() {
+    let free = Options { free_scales: true, ..Options::default() };
     let wrong = |change: fn(&mut common::Calibration)| {
         let mut plan = plan();
         let mut truth = plan.calibration.clone().expect("constants");
         change(&mut truth);
         plan.truth.calibration = Some(truth);
         let document = simulated(plan, &Matrix3::identity(), &Matrix3::identity());
-        let document =
-            axescal::run(document, &Options { free_scales: true, ..Options::default() }).expect("directions");
+        let document = axescal::run(document, &free).expect("directions");
         axes(&document).scales.as_ref().expect("scales").verdict.clone()
     };
     let verdict = wrong(|_| {});
@@ -223,13 +207,13 @@ fn one_wrong_constant_is_named() {
     };
     let verdict = wrong(|truth| {
         let coil = truth.coils.as_mut().and_then(|coils| coils.x.as_mut()).expect("coil x");
-        coil.constant_nt_per_a = Some(common::Quantity::Bare(41234.5 * 1.0002));
+        coil.constant_nt_per_a = Some(Quantity::Bare(41234.5 * 1.0002));
     });
     named(&verdict, "coil x", 200.0);
     // A sensor of more nT for each volt reads less.
     let verdict = wrong(|truth| {
         let sensor = truth.sensors.as_mut().and_then(|sensors| sensors.z.as_mut()).expect("sensor z");
-        sensor.sensitivity_nt_per_v = Some(common::Quantity::Bare(6402.6 * 1.001));
+        sensor.sensitivity_nt_per_v = Some(Quantity::Bare(6402.6 * 1.001));
     });
     named(&verdict, "sensor z", -1000.0);
 }
