@@ -2,8 +2,7 @@
 
 use axescal::{Coils, Options, Start, design};
 use clap::{Parser, Subcommand, ValueEnum};
-use common::Axis;
-use common::procedure;
+use common::{Axis, procedure};
 use program::manual;
 use program::pipe::{self, Program, StageIo};
 use std::process::ExitCode;
@@ -27,8 +26,8 @@ struct Cli {
     #[arg(long)]
     known_coils: bool,
     /// Where the iteration begins
-    #[arg(long, value_enum, default_value_t = StartFrom::Identity)]
-    start: StartFrom,
+    #[arg(long, value_enum, default_value_t = Start::Identity)]
+    start: Start,
     /// Fit the scale factors of sensors and coils, and compare them with the calibration
     #[arg(long)]
     free_scales: bool,
@@ -49,14 +48,6 @@ struct Cli {
 enum Command {
     /// Find the orientations of the block that determine the directions best
     Design(design::Arguments),
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum StartFrom {
-    /// Along the nominal axes
-    Identity,
-    /// The matrices in calibration.axes
-    Document,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -83,10 +74,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
     }
     let options = Options {
         coils: if cli.known_coils { Coils::Known } else { Coils::Unknown },
-        start: match cli.start {
-            StartFrom::Identity => Start::Identity,
-            StartFrom::Document => Start::Document,
-        },
+        start: cli.start,
         free_scales: cli.free_scales,
         robust: cli.robust,
         sensor: cli.sensor.map(Letter::axis),

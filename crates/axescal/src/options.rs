@@ -1,3 +1,4 @@
+use clap::ValueEnum;
 use common::Axis;
 
 /// What is asked of axescal.
@@ -28,12 +29,12 @@ pub enum Coils {
 }
 
 /// Where the iteration begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Start {
-    /// Sensors and coils along their nominal axes.
+    /// Along the nominal axes
     #[default]
     Identity,
-    /// The matrices in `calibration.axes`.
+    /// The matrices in calibration.axes
     Document,
 }
 
