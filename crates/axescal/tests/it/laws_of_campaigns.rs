@@ -52,9 +52,9 @@ fn each(law: impl Fn(u64, &Value)) {
 /// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are
 /// counted.
 const WAY: &[&str] = &["iterations", "singular_values"];
-/// The same; and how far a coil is from its nominal axis is another angle in another frame.
+/// The way; and how far a coil is from its nominal axis is another angle in another frame.
 const TURNED: &[&str] = &["iterations", "singular_values", "coils.off_nominal_arcsec", "residual_field_nt"];
-/// As the way; and a reading without drive is listed under the first coil, whatever its name.
+/// The way; and a reading without drive is listed under the first coil, whatever its name.
 const NAMED: &[&str] = &["iterations", "singular_values", "readings.coil"];
 
 /// A change of the document, by the campaign, changes the answer alike.

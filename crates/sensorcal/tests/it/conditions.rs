@@ -10,28 +10,24 @@ use crate::build::{self, COIL, K, change, found, near, read, recording, sensor, 
 /// field, temperature of the sensor and of the electronics.
 fn heated(seed: u64, id: &str, steps: &[(f64, f64)], adds: impl Fn(f64, f64, f64) -> f64) -> Value {
     let mut stream = Stream::new(seed, id);
-    let (mut time, mut current, mut volts) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut sensor, mut electronics) = (Vec::new(), Vec::new());
+    let mut rows = Vec::new();
     let mut clock = 0.0;
     for (s, e) in steps {
         clock += 1800.0;
         for field in sweep(50_000.0, 11) {
-            time.push(clock);
-            current.push(field / COIL);
-            volts.push(read(&mut stream, field + adds(field, s - 23.0, e - 23.0), 0.0, 0.1));
-            sensor.push(*s);
-            electronics.push(*e);
+            let volts = read(&mut stream, field + adds(field, s - 23.0, e - 23.0), 0.0, 0.1);
+            rows.push([clock, field / COIL, volts, *s, *e]);
             clock += 11.0;
         }
     }
-    let columns = [
-        ("time_s", time),
-        ("coil_x_a", current),
-        ("sensor_x_v", volts),
-        ("sensor_temperature_c", sensor),
-        ("electronics_temperature_c", electronics),
-    ];
-    recording(id, "temperature_run", &columns)
+    run(id, rows)
+}
+
+/// A temperature run by rows: time, current, reading, temperatures of sensor and electronics.
+fn run(id: &str, rows: Vec<[f64; 5]>) -> Value {
+    let names = ["time_s", "coil_x_a", "sensor_x_v", "sensor_temperature_c", "electronics_temperature_c"];
+    let column = |at: usize| (names[at], rows.iter().map(|row| row[at]).collect());
+    recording(id, "temperature_run", &[0, 1, 2, 3, 4].map(column))
 }
 
 fn document(recordings: Vec<Value>) -> Value {
@@ -121,28 +117,16 @@ fn both_parts_apart_and_their_product() {
 /// late.
 fn followed(lag_s: f64) -> Value {
     let mut stream = Stream::new(5, "followed");
-    let rows = 1200;
-    let (mut time, mut current, mut volts, mut temperature) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     let mut late = 23.0;
-    for row in 0..rows {
+    let rows = (0..1200).map(|row| {
         let t = 30.0 * f64::from(row);
         let now = 23.0 + 15.0 * (std::f64::consts::TAU * t / 12_000.0).sin();
         let field = if row % 3 == 0 { 0.0 } else { 30_000.0 * f64::from(row % 3 * 2 - 3) };
         late = if lag_s > 0.0 { late + (now - late) * (1.0 - (-30.0 / lag_s).exp()) } else { now };
-        time.push(t);
-        current.push(field / COIL);
-        temperature.push(now);
-        volts.push(read(&mut stream, field + 0.1 * (late - 23.0), 0.0, 0.1));
-    }
-    let columns = [
-        ("time_s", time),
-        ("coil_x_a", current),
-        ("sensor_x_v", volts),
-        ("electronics_temperature_c", vec![23.0; rows as usize]),
-        ("sensor_temperature_c", temperature),
-    ];
-    document(vec![recording("followed", "temperature_run", &columns)])
+        let volts = read(&mut stream, field + 0.1 * (late - 23.0), 0.0, 0.1);
+        [t, field / COIL, volts, now, 23.0]
+    });
+    document(vec![run("followed", rows.collect())])
 }
 
 #[test]
@@ -221,25 +205,15 @@ fn without_both_signs_a_lean_cannot_be_told() {
 
 #[test]
 fn a_ramp_shows_its_curvature_and_no_lag() {
-    let steps: Vec<(f64, f64)> = (0..301).map(|row| (-7.0 + 0.2 * f64::from(row), 23.0)).collect();
     let mut stream = Stream::new(21, "ramp");
-    let field = |row: usize| 50_000.0 * (row % 11) as f64 / 5.0 - 50_000.0;
     let adds = |b: f64, s: f64| b * 1e-6 * (28.0 * s + 0.05 * s * s) + 0.05 * s + 0.001 * s * s;
-    let volts = steps
-        .iter()
-        .enumerate()
-        .map(|(row, (s, _))| read(&mut stream, field(row) + adds(field(row), s - 23.0), 0.0, 0.1))
-        .collect();
-    let rows = steps.len();
-    let columns = [
-        ("time_s", (0..rows).map(|row| 60.0 * row as f64).collect()),
-        ("coil_x_a", (0..rows).map(|row| field(row) / COIL).collect()),
-        ("sensor_x_v", volts),
-        ("sensor_temperature_c", steps.iter().map(|step| step.0).collect()),
-        ("electronics_temperature_c", vec![23.0; rows]),
-    ];
-    let part =
-        fitted(&document(vec![recording("ramp", "temperature_run", &columns)])).sensor.expect("the sensor");
+    let rows = (0..301).map(|row| {
+        let (field, sensor) = (50_000.0 * f64::from(row % 11) / 5.0 - 50_000.0, -7.0 + 0.2 * f64::from(row));
+        let volts = read(&mut stream, field + adds(field, sensor - 23.0), 0.0, 0.1);
+        [60.0 * f64::from(row), field / COIL, volts, sensor, 23.0]
+    });
+    let ramp = run("ramp", rows.collect());
+    let part = fitted(&document(vec![ramp])).sensor.expect("the sensor");
     let curvature = part.sensitivity_ppm_per_k2.expect("a curvature");
     assert!(near(&curvature, 0.05, 3.5), "{curvature:?}");
     assert!(part.lag_s.is_none(), "{}", part.lag);
