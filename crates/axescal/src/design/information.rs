@@ -6,7 +6,7 @@ use physics::Unit;
 use physics::frames::Orientation;
 use std::borrow::Borrow;
 
-use crate::unknowns::{Unknown, place};
+use crate::unknowns::Unknown;
 use crate::{
     AxesProblem, AxesState, Freedom, NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup,
     Together,
@@ -14,7 +14,7 @@ use crate::{
 
 /// Turns of the six directions.
 pub const TURNS: usize = 12;
-/// These, the scales of sensors and coils, the residual field and the offsets.
+/// These, the scales of sensors and coils, the residual field and the offsets, in the order of the fit.
 pub const ALL: usize = 24;
 
 /// Information on all that orientations have in common.
@@ -125,10 +125,8 @@ impl Derivatives {
         let problem = AxesProblem::new(&observations, &freedom, NoiseFactors::ONE);
         let state = AxesState::new(Matrix3::identity(), Matrix3::identity(), 1);
         let (_, jacobian) = estimate::linearised(&problem, &state);
-        let places = |unknowns: Vec<Unknown>| -> Vec<usize> {
-            let place = |unknown: Unknown| place(problem.meaning(), unknown).expect("everything moves");
-            unknowns.into_iter().map(place).collect()
-        };
+        let (own, common) = (0..jacobian.ncols())
+            .partition(|place| matches!(problem.meaning()[*place], Unknown::Correction(..)));
         let mut gradients = DMatrix::zeros(observations.readings.len(), 3);
         for coil in 0..3 {
             let mut column: Vec<f64> = observations
@@ -148,25 +146,11 @@ impl Derivatives {
         }
         Self {
             jacobian: DMatrix::from_fn(jacobian.nrows(), jacobian.ncols(), |i, j| jacobian[(i, j)]),
-            common: places(unknowns()),
-            own: places((0..3).map(|k| Unknown::Correction(0, k)).collect()),
+            common,
+            own,
             gradients,
         }
     }
-}
-
-/// What is common, in the order of [`Information`].
-pub fn unknowns() -> Vec<Unknown> {
-    let each = |of: fn(Axis, usize) -> Unknown| {
-        Axis::ALL.into_iter().flat_map(move |axis| [of(axis, 0), of(axis, 1)])
-    };
-    each(Unknown::Sensor)
-        .chain(each(Unknown::Coil))
-        .chain(Axis::ALL.map(Unknown::SensorScale))
-        .chain(Axis::ALL.map(Unknown::CoilScale))
-        .chain((0..3).map(Unknown::ResidualField))
-        .chain(Axis::ALL.map(Unknown::Offset))
-        .collect()
 }
 
 fn observations(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readings) -> Observations {

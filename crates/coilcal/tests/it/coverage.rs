@@ -3,11 +3,13 @@
 
 use common::{Axis, Budget, Document, Quantity};
 use noise::Stream;
-use serde_json::json;
+use serde_json::{Value, json};
+
+use crate::build::{calibrated, simulated};
 
 /// Four readings of each level, in so many visits.
-fn plan(seed: u64, visits: u64) -> simulate::Plan {
-    let plan = json!({
+fn plan(seed: u64, visits: u64) -> Value {
+    json!({
         "fluxcal": 1,
         "seed": seed,
         "facility": {
@@ -20,8 +22,7 @@ fn plan(seed: u64, visits: u64) -> simulate::Plan {
         "procedures": (0..visits).map(|visit| json!({
             "procedure": "coil_constant", "id": format!("coil-{visit}"), "coil": "z", "repeats": 4 / visits
         })).collect::<Vec<_>>()
-    });
-    simulate::Plan::parse(&plan.to_string()).expect("a plan")
+    })
 }
 
 /// What shares an error of the site's field.
@@ -67,13 +68,9 @@ fn covers(site_nt: f64, shared: Shared, alone_falls_short: bool) {
     // For constant and offset: covered by the joint uncertainty, covered by type A alone.
     let mut covered = [[0; 2]; 2];
     for seed in 0..count as u64 {
-        let simulate::Campaign { mut document, .. } =
-            simulate::campaign(&plan(seed, visits)).expect("simulated");
+        let mut document = simulated(&plan(seed, visits));
         disturb(&mut document, site_nt, shared, seed);
-        let found = coilcal::run(document, &coilcal::Options::default())
-            .expect("calibrated")
-            .calibration
-            .expect("a calibration");
+        let found = calibrated(document);
         let coil = found.coil(Axis::Z).expect("coil z");
         let fit = coil.constant.as_ref().expect("a fit");
         let values =

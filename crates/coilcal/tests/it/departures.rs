@@ -4,6 +4,8 @@
 use common::{Axis, CoilFit, Document, Recording, procedure};
 use noise::Stream;
 
+use crate::build::{calibrated, simulated};
+
 /// A coil of 40 000 nT/A, 20 000 to 60 000 nT in both directions, five readings each with 0.3 nT; `field`
 /// gives the magnitude at a current and time.
 fn run(seed: u64, field: impl Fn(f64, f64) -> f64) -> CoilFit {
@@ -30,11 +32,7 @@ fn run_with(seed: u64, field: impl Fn(f64, f64) -> f64, noise: impl Fn(f64) -> f
     let columns = [("time_s", time), ("coil_x_a", current), ("reference_nt", reference)];
     recording.columns = columns.map(|(name, column)| (name.to_string(), column.into())).into_iter().collect();
     let document = Document { fluxcal: 1, recordings: vec![recording], ..Document::default() };
-    let found = coilcal::run(document, &coilcal::Options::default())
-        .expect("calibrated")
-        .calibration
-        .expect("a calibration");
-    *found.coil(Axis::X).expect("coil x").constant.clone().expect("a fit")
+    *calibrated(document).coil(Axis::X).expect("coil x").constant.clone().expect("a fit")
 }
 
 const K: f64 = 40_000.0;
@@ -131,10 +129,7 @@ fn a_coil_that_heats_is_seen_to_fall() {
             "truth": {"model": {"effects": [{"effect": "coil_heating", "coil": "z", "parameters": {"fall_ppm_per_a2": 200, "lag_s": 1500}}]}},
             "procedures": [{"procedure": "coil_constant", "id": "coil", "coil": "z"}]
         });
-        let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-        let document = simulate::campaign(&plan).expect("simulated").document;
-        let found = coilcal::run(document, &coilcal::Options::default()).expect("calibrated").calibration;
-        let found = found.expect("a calibration");
+        let found = calibrated(simulated(&plan));
         let fit = found.coil(Axis::Z).and_then(|coil| coil.constant.clone()).expect("a fit");
         let drift = fit.departures.iter().find(|d| d.departure == "constant_drift").expect("looked for");
         println!(

@@ -1,18 +1,19 @@
 //! Surveys along a coil's axis against what is true.
 
 use common::{Axis, Document};
-use serde_json::json;
+use serde_json::{Value, json};
 
-fn plan(seed: u64) -> simulate::Plan {
-    let plan = json!({
+use crate::build::{calibrated, simulated};
+
+fn plan(seed: u64) -> Value {
+    json!({
         "fluxcal": 1,
         "seed": seed,
         "facility": {"coils": {"z": {"max_nt": 60000}}, "reference_std_nt": 0.1},
         "calibration": {"coils": {"z": {"constant_nt_per_a": 43000}}},
         "truth": {"coil_profile": {"z": {"first_ppm_per_m": 2.0, "second_ppm_per_m2": -32.0, "fourth_ppm_per_m4": -40.0}}},
         "procedures": [{"procedure": "coil_gradient", "id": "survey", "coil": "z"}]
-    });
-    simulate::Plan::parse(&plan.to_string()).expect("a plan")
+    })
 }
 
 #[test]
@@ -23,9 +24,8 @@ fn intervals_of_the_terms_cover() {
     let error = 60_000.0 * (2.0 * 0.05 + 32.0 * 0.05f64.powi(2) + 40.0 * 0.05f64.powi(4)) * 1e-6;
     let mut covered = [0u32; 5];
     for seed in 0..300 {
-        let document = simulate::campaign(&plan(seed)).expect("simulated").document;
-        let found = coilcal::run(document, &coilcal::Options::default()).expect("calibrated");
-        let survey = &found.calibration.as_ref().and_then(|c| c.coil(Axis::Z)).expect("coil z").surveys[0];
+        let found = calibrated(simulated(&plan(seed)));
+        let survey = &found.coil(Axis::Z).expect("coil z").surveys[0];
         let off = survey.off_centre.as_ref().expect("an error");
         let quantities =
             [&survey.centre_nt, &survey.first_nt_per_m, &survey.second_nt_per_m2, &survey.fourth_nt_per_m4];
@@ -49,8 +49,7 @@ fn intervals_of_the_terms_cover() {
 #[test]
 fn two_surveys_give_the_gradient_coil() {
     let document = Document::parse(&testkit::read_fixture("coilcal/uneven/input.json")).expect("a document");
-    let found = coilcal::run(document, &coilcal::Options::default()).expect("calibrated");
-    let coils = found.calibration.as_ref().expect("a calibration");
+    let coils = calibrated(document);
     let gradient = coils.coil(Axis::X).and_then(|coil| coil.gradient_coil.clone()).expect("two surveys");
     // At −0.3 m −0.605 nT with 0.1 A and −0.205 nT with 0.2 A: zero at 0.1 + 0.1 · 0.605/0.4.
     assert!((gradient.current_a.value() - 0.25125).abs() < 1e-9, "{gradient:?}");

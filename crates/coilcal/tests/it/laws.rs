@@ -7,6 +7,8 @@
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
 
+use crate::build;
+
 fn plan(seed: u64) -> Value {
     let constant = |id: &str, coil: &str| json!({"procedure": "coil_constant", "id": format!("{id}-{coil}"), "coil": coil, "step_nt": 10000, "repeats": 4});
     let gradient =
@@ -27,8 +29,7 @@ fn plan(seed: u64) -> Value {
 }
 
 fn campaign(plan: &Value) -> Value {
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    laws::json(&simulate::campaign(&plan).expect("simulated").document)
+    laws::json(&build::simulated(plan))
 }
 
 fn run(document: &Value) -> Value {

@@ -1,6 +1,7 @@
 //! The integration tests of `coilcal`: one program, a module for each subject.
 
 mod bad_input;
+mod build;
 mod coverage;
 mod departures;
 mod golden;

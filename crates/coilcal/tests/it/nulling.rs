@@ -3,6 +3,8 @@
 use common::{Axis, Document, NullingCalibration};
 use serde_json::{Value, json};
 
+use crate::build::{calibrated, simulated};
+
 /// The noise of each site: A/f + white, and mains.
 fn plan(seed: u64, mains: f64) -> Value {
     let site = |flicker: f64| json!({"noise": {"white_rms_nt": 0.02, "flicker_nt2_per_hz_at_1hz": flicker}, "mains_nt": [mains, 0, 0]});
@@ -17,10 +19,7 @@ fn plan(seed: u64, mains: f64) -> Value {
 }
 
 fn found(plan: &Value) -> NullingCalibration {
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let document: Document = simulate::campaign(&plan).expect("simulated").document;
-    let found = coilcal::run(document, &coilcal::Options::default()).expect("analysed");
-    *found.calibration.expect("a calibration").nulling.expect("spectra")
+    *calibrated(simulated(plan)).nulling.expect("spectra")
 }
 
 #[test]
@@ -115,11 +114,9 @@ fn a_series_at_uneven_times_is_read_and_that_is_said() {
     let mut plan = plan(3, 0.0);
     plan["procedures"][0]["sites"] = json!(["weekday-day"]);
     plan["procedures"][0]["series"] = json!([{"length_s": 60, "rate_hz": 100}]);
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let mut document: Document = simulate::campaign(&plan).expect("simulated").document;
+    let mut document = simulated(&plan);
     let uneven_s = |document: &Document| {
-        let found = coilcal::run(document.clone(), &coilcal::Options::default()).expect("analysed");
-        let nulling = found.calibration.expect("a calibration").nulling.expect("spectra");
+        let nulling = calibrated(document.clone()).nulling.expect("spectra");
         nulling.sites["weekday-day"].series[0].uneven_s
     };
     assert_eq!(uneven_s(&document), None);

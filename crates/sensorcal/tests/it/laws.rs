@@ -8,6 +8,8 @@ use sensorcal::Options;
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
 
+use crate::build;
+
 fn plan(seed: u64) -> Value {
     let mut plan = laws::plan(
         seed,
@@ -44,8 +46,7 @@ fn acting(seed: u64) -> Value {
 }
 
 fn campaign(plan: &Value) -> Value {
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    laws::json(&simulate::campaign(&plan).expect("simulated").document)
+    laws::json(&build::simulated(plan).document)
 }
 
 fn run(document: &Value) -> Value {
