@@ -1,7 +1,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::{bless, fixture, run, run_in};
+use crate::{Run, bless, fixture, run, run_in};
 
 /// Every document of a folder of `fixtures` (`name.json`) brings its message and exit code (`name.txt`), and
 /// nothing on standard output. With BLESS=1 in the environment the messages are written anew. Gives the
@@ -14,22 +14,29 @@ pub fn faults(folder: &str, program: &str) -> usize {
         .filter_map(|name| name.strip_suffix(".json").map(str::to_string))
         .collect();
     names.sort();
-    let mut wrong = Vec::new();
-    for name in &names {
+    let runs = names.iter().map(|name| {
         let document = fs::read_to_string(folder.join(format!("{name}.json"))).expect("readable");
-        let run = run(program, &[], &document);
-        let said = format!("exit code {}\n{}", run.code, run.stderr);
-        let expected = folder.join(format!("{name}.txt"));
+        (name.as_str(), run(program, &[], &document))
+    });
+    as_expected(&folder, runs);
+    names.len()
+}
+
+/// Each of these runs failed with its message and exit code (`name.txt` in a folder), and wrote nothing.
+fn as_expected<'a>(messages: &Path, runs: impl Iterator<Item = (&'a str, Run)>) {
+    let mut wrong = Vec::new();
+    for (name, run) in runs {
+        let said = run.message();
+        let expected = messages.join(format!("{name}.txt"));
         if bless() {
             fs::write(&expected, &said).expect("written");
         }
         let expected = fs::read_to_string(&expected).unwrap_or_default();
         if said != expected || !run.stdout.is_empty() || run.code == 0 {
-            wrong.push(format!("{name}:\n{said}where this is expected:\n{expected}"));
+            wrong.push(format!("{name}:\n{said}{}where this is expected:\n{expected}", run.stdout));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-    names.len()
 }
 
 /// A copy of a folder of `fixtures`, in which programs run so that messages name files as they are there,
@@ -51,26 +58,14 @@ pub fn pieces(folder: &str, program: &str, tables: &[&str]) -> tempfile::TempDir
 /// `stream` of each of these tables (`name.csv`) and each of these command lines, run in a folder, brings its
 /// message and exit code (`name.txt` in a folder of `fixtures`), and nothing on standard output. With BLESS=1
 /// in the environment the messages are written anew.
-pub fn faults_in(
+pub fn faults_in<'a>(
     folder: &Path,
     messages: &str,
     program: &str,
-    (tables, lines): (&[&str], &[(&str, &[&str])]),
+    (tables, lines): (&'a [&'a str], &'a [(&'a str, &'a [&'a str])]),
 ) {
-    let mut wrong = Vec::new();
-    let tables: Vec<(&str, String)> = tables.iter().map(|name| (*name, format!("{name}.csv"))).collect();
-    let tables = tables.iter().map(|(name, file)| (*name, vec!["stream", file.as_str()]));
-    for (name, arguments) in tables.chain(lines.iter().map(|(name, words)| (*name, words.to_vec()))) {
-        let run = run_in(program, folder, &arguments);
-        let said = run.message();
-        let expected = fixture(&format!("{messages}/{name}.txt"));
-        if bless() {
-            fs::write(&expected, &said).expect("written");
-        }
-        let expected = fs::read_to_string(&expected).unwrap_or_default();
-        if said != expected || !run.stdout.is_empty() || run.code == 0 {
-            wrong.push(format!("{name}:\n{said}{}where this is expected:\n{expected}", run.stdout));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let of_tables =
+        tables.iter().map(|name| (*name, run_in(program, folder, &["stream", &format!("{name}.csv")])));
+    let of_lines = lines.iter().map(|(name, words)| (*name, run_in(program, folder, words)));
+    as_expected(&fixture(messages), of_tables.chain(of_lines));
 }

@@ -1,5 +1,5 @@
 //! For tests only: golden cases with tolerances, binaries under test, Jacobians against finite differences,
-//! shares of intervals that hold, laws that hold whatever was recorded, the stages' programs run one by one.
+//! shares of intervals that hold, laws that hold whatever was recorded.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,6 @@ mod help;
 mod jacobian;
 pub mod laws;
 mod partials;
-pub mod programs;
 pub mod reference;
 mod words;
 
