@@ -1,10 +1,7 @@
 //! One case: a command line, and the files that it reads.
 
 use serde_json::{Value, json};
-use std::fs;
-use std::path::Path;
 
-use crate::Error;
 use crate::commands::{KINDS, LINES, Line, OPTIONS, Writes};
 use crate::corpus::{Corpus, Seed};
 use crate::draw::Draw;
@@ -76,25 +73,6 @@ impl Case {
         }
         let on_stdin = line.words.ends_with(" -");
         Self { line, words, files, on_stdin, told: format!("{}: {}", seed.name, edits.join(", ")) }
-    }
-
-    /// Puts the files into a folder.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
-        for (name, bytes) in &self.files {
-            let path = folder.join(name);
-            fs::write(&path, bytes).map_err(|e| Error::file(path, "written", e))?;
-        }
-        Ok(())
-    }
-
-    /// The changed file.
-    pub fn input(&self) -> &[u8] {
-        &self.files[0].1
-    }
-
-    /// The changed file as JSON, where it is that.
-    pub fn value(&self) -> Option<Value> {
-        serde_json::from_slice(self.input()).ok()
     }
 }
 

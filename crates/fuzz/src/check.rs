@@ -30,27 +30,22 @@ pub fn listing(folder: &Path) -> Result<Listing, Error> {
     Ok(files)
 }
 
-/// What a run is judged by.
-pub struct Judged<'a> {
-    /// What the program did.
-    pub ended: &'a Ended,
+/// A program that was run.
+pub struct Run {
+    /// What it did.
+    pub ended: Ended,
     /// The files before it ran.
-    pub before: &'a Listing,
+    pub before: Listing,
     /// The files after it ran.
-    pub after: &'a Listing,
-    /// What it writes where it succeeds.
-    pub writes: Writes,
+    pub after: Listing,
     /// What it wrote, if it succeeded: standard output or a file.
-    pub written: &'a [u8],
-    /// What it read: what stands there may be repeated.
-    pub read: &'a [u8],
-    /// Its command line, as one text.
-    pub asked: &'a str,
+    pub written: Vec<u8>,
 }
 
-/// All faults of a run.
-pub fn faults(judged: &Judged<'_>, schemas: &Schemas) -> Vec<Fault> {
-    let Judged { ended, before, after, .. } = judged;
+/// All faults of a run that writes such a thing where it succeeds. What it read and its command line may be
+/// repeated in its words.
+pub fn faults(run: &Run, writes: Writes, read: &[u8], asked: &str, schemas: &Schemas) -> Vec<Fault> {
+    let Run { ended, before, after, written } = run;
     let mut faults = Vec::new();
     if let Some(line) = ended.stderr.lines().find(|line| line.contains("panicked at")) {
         let message = ended.stderr.lines().skip_while(|other| *other != line).nth(1).unwrap_or_default();
@@ -60,8 +55,19 @@ pub fn faults(judged: &Judged<'_>, schemas: &Schemas) -> Vec<Fault> {
     match ended.end {
         End::Hang => faults.push(Fault::new(Rule::Hang, "not done in its time")),
         End::Signal(signal) => faults.push(Fault::new(Rule::Signal, format!("signal {signal}: {last}"))),
-        End::Code(0) => succeeded(judged, schemas, &mut faults),
-        End::Code(1 | 2) => faults.extend(words::message(&ended.stderr, judged.read, judged.asked)),
+        End::Code(0) => {
+            let none = |text: &str, place: &str| {
+                let found = words::no_number(text, read, asked)?;
+                Some(Fault::new(Rule::NotANumber, format!("{place}: {found}")))
+            };
+            faults.extend(none(&ended.stderr, "on standard error"));
+            if writes != Writes::Text {
+                faults.extend(schemas.faults(writes, written, read));
+            } else if !written.starts_with(b"PAR1") {
+                faults.extend(none(&String::from_utf8_lossy(written), "in what it wrote"));
+            }
+        }
+        End::Code(1 | 2) => faults.extend(words::message(&ended.stderr, read, asked)),
         End::Code(101) if !faults.is_empty() => {}
         End::Code(code) => faults.push(Fault::new(Rule::Code, format!("exit code {code}: {last}"))),
     }
@@ -81,20 +87,4 @@ pub fn faults(judged: &Judged<'_>, schemas: &Schemas) -> Vec<Fault> {
         faults.push(Fault::new(Rule::LeftBehind, format!("{name} beside what is done")));
     }
     faults
-}
-
-/// What holds of a program that succeeded.
-fn succeeded(judged: &Judged<'_>, schemas: &Schemas, faults: &mut Vec<Fault>) {
-    let none = words::no_number(&judged.ended.stderr, judged.read, judged.asked);
-    faults.extend(none.map(|found| Fault::new(Rule::NotANumber, format!("on standard error: {found}"))));
-    if judged.writes == Writes::Text {
-        if !judged.written.starts_with(b"PAR1") {
-            let text = String::from_utf8_lossy(judged.written);
-            let none = words::no_number(&text, judged.read, judged.asked);
-            faults
-                .extend(none.map(|found| Fault::new(Rule::NotANumber, format!("in what it wrote: {found}"))));
-        }
-    } else {
-        faults.extend(schemas.faults(judged.writes, judged.written, judged.read));
-    }
 }

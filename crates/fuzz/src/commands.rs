@@ -39,8 +39,13 @@ pub struct Line {
 impl Line {
     /// The program's name.
     pub fn program(&self) -> &'static str {
-        self.words.split(' ').next().unwrap_or_default()
+        program(self.words)
     }
+}
+
+/// The program that a command line begins with.
+pub fn program(words: &'static str) -> &'static str {
+    words.split(' ').next().unwrap_or_default()
 }
 
 /// How often each kind is read.
@@ -92,23 +97,18 @@ pub const LINES: [Line; 81] = {
         line(DOC, 1, "diagnose --against IN fixtures/diagnose/warm/input.json", TO_DOC),
         line(DOC, 8, "correct IN", TO_DOC),
         line(DOC, 2, "correct --frame geo IN", TO_DOC),
-        line(
-            DOC,
-            4,
-            "correct --calibration IN fixtures/correct/flight/readings.csv -o OUT.csv",
-            Writes::Text,
-        ),
+        line(DOC, 4, "correct --calibration IN fixtures/correct/flight/readings.csv -o OUT.csv", Text),
         line(
             DOC,
             1,
             "correct --frame geo --calibration IN --recording flight fixtures/correct/flight/readings.csv -o OUT.ndjson",
-            Writes::Text,
+            Text,
         ),
         line(
             DOC,
             2,
             "correct --calibration IN --iaga FLX --start 2026-05-26T00:00:00Z fixtures/correct/flight/readings.csv -o OUT.min",
-            Writes::Text,
+            Text,
         ),
         line(DOC, 5, "report IN", Text),
         line(DOC, 7, "report --text IN", Text),

@@ -35,6 +35,12 @@ impl Draw {
         &list[self.below(list.len())]
     }
 
+    /// One of the parts of a text between bars.
+    pub fn part(&mut self, text: &'static str) -> &'static str {
+        let parts: Vec<&str> = text.split('|').collect();
+        *self.of(&parts)
+    }
+
     /// One of a list by weights.
     pub fn weighted<'a, T>(&mut self, list: &'a [(usize, T)]) -> &'a T {
         let mut left = self.below(list.iter().map(|(weight, _)| weight).sum());
@@ -69,6 +75,7 @@ mod tests {
         assert_ne!(take(1, 2), take(1, 3));
         assert_ne!(take(1, 2), take(2, 2));
         assert_eq!(Draw::new(1, 1).below(0), 0);
+        assert!(["", "a", "b"].contains(&Draw::new(1, 1).part("a||b")));
         assert_eq!(*Draw::new(1, 1).weighted(&[(0, "never"), (3, "always")]), "always");
     }
 }

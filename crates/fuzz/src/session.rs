@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 use crate::Error;
 use crate::case::{self, Case};
 use crate::check::json::Schemas;
-use crate::check::{self, Fault, Judged, Rule};
+use crate::check::{self, Fault, Rule, Run};
 use crate::commands::{self, Writes};
 use crate::corpus::Corpus;
 use crate::draw::Draw;
@@ -21,7 +21,7 @@ use crate::follow;
 use crate::kind::FileKind;
 use crate::made;
 use crate::programs::Programs;
-use crate::run::{self, End, Ended};
+use crate::run::{self, End};
 
 /// How many further programs may read what one wrote.
 const FURTHER: usize = 3;
@@ -130,16 +130,16 @@ impl Session {
         }
         let case = Case::make(line, &self.corpus, &mut draw);
         let mut place = Place::new(&self.programs, settings.processor_s)?;
-        case.write(&place.folder)?;
+        let mut files = case.files;
+        place.clear(&files)?;
         let stdin = case.on_stdin.then(|| place.folder.join(line.kind.file()));
         let first = place.run(&case.words, stdin.as_deref())?;
-        let mut read = case.input().to_vec();
+        let mut read = files[0].1.clone();
         let mut faults = self.judge(&place, &first, line.writes, &read, &case.words);
         if first.ended.end == End::Code(0) && place.folder.join("out-truth.json").is_file() {
             let truth = fs::read(place.folder.join("out-truth.json")).unwrap_or_default();
             faults.extend(self.schemas.of_truth(&truth));
         }
-        let mut files = case.files.clone();
         let mut last = first;
         let mut program = line.program();
         let mut writes = line.writes;
@@ -171,18 +171,25 @@ impl Session {
             writes = if next.starts_with("report") { Writes::Text } else { Writes::Document };
             faults = self.judge(&place, &done, writes, &written, &words);
             if done.ended.end == End::Code(2) {
-                faults.extend(self.refused(&mut place, &words, (&read, is_document), &written, &done)?);
+                // Whether the fault was there before.
+                let mut then = None;
+                if is_document {
+                    place.clear(&[("next.json".into(), read.clone())])?;
+                    then = Some(place.run(&words, None)?.ended);
+                    place.commands.pop();
+                }
+                faults.extend(follow::refused((&read, then.as_ref()), (&written, &done.ended.stderr)));
             }
             is_document = was_document;
-            (program, read, last) = (words_program(next), written, done);
+            (program, read, last) = (commands::program(next), written, done);
         }
         let finding = (!faults.is_empty()).then(|| Finding {
             seed: settings.seed,
             case: number,
-            told: case.told.clone(),
-            commands: place.commands.clone(),
+            told: case.told,
+            commands: place.commands,
             faults,
-            stderr: last.ended.stderr.clone(),
+            stderr: last.ended.stderr,
             files,
         });
         Ok(Some(Done { runs: place.runs, finding }))
@@ -196,59 +203,19 @@ impl Session {
         read: &[u8],
         words: &[String],
     ) -> Vec<Fault> {
-        let asked = words.join(" ");
-        let judged = Judged {
-            ended: &done.ended,
-            before: &done.before,
-            after: &done.after,
-            writes,
-            written: &done.written,
-            read,
-            asked: &asked,
-        };
-        let mut faults = check::faults(&judged, &self.schemas);
+        let mut faults = check::faults(done, writes, read, &words.join(" "), &self.schemas);
         // A long line of the input is repeated in part; the folder's name is never said.
         if done.ended.stderr.contains(&*place.folder.to_string_lossy()) && faults.is_empty() {
             faults.push(Fault::new(Rule::Message, "a path that nobody gave"));
         }
         faults
     }
-
-    /// Whether a refusal is the fault of the program before.
-    fn refused(
-        &self,
-        place: &mut Place<'_>,
-        words: &[String],
-        (read, is_document): (&[u8], bool),
-        written: &[u8],
-        done: &Run,
-    ) -> Result<Option<Fault>, Error> {
-        let mut then = None;
-        if is_document {
-            place.clear(&[("next.json".into(), read.to_vec())])?;
-            then = Some(place.run(words, None)?.ended);
-            place.commands.pop();
-        }
-        Ok(follow::refused((read, then.as_ref()), (written, &done.ended.stderr)))
-    }
-}
-
-fn words_program(line: &'static str) -> &'static str {
-    line.split(' ').next().unwrap_or_default()
 }
 
 /// A case that was run.
 struct Done {
     runs: Vec<(String, String)>,
     finding: Option<Finding>,
-}
-
-/// A program that was run.
-struct Run {
-    ended: Ended,
-    before: check::Listing,
-    after: check::Listing,
-    written: Vec<u8>,
 }
 
 /// The folder of a case.

@@ -17,21 +17,23 @@ fn some_key(map: &Map<String, Value>, draw: &mut Draw) -> String {
     map.keys().nth(draw.below(map.len())).cloned().unwrap_or_default()
 }
 
-/// A column as numbers, a missing reading is none of them.
-fn numbers(column: &Value) -> Vec<f64> {
-    column.as_array().into_iter().flatten().filter_map(Value::as_f64).collect()
+/// Changes the numbers of a column, at a place of it or all. False: it has none; a missing reading is none.
+fn change(column: &mut Value, draw: &mut Draw, with: impl FnOnce(&mut Vec<f64>, usize, &mut Draw)) -> bool {
+    let mut numbers: Vec<f64> = column.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
+    if numbers.is_empty() {
+        return false;
+    }
+    let place = draw.below(numbers.len());
+    with(&mut numbers, place, draw);
+    *column = json!(numbers);
+    true
 }
 
 /// Scaled, constant, in another order, with a jump, a spike or rounded.
 pub fn column(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let Some(columns) = columns(value, draw) else { return false };
     let name = some_key(columns, draw);
-    let mut column = numbers(&columns[&name]);
-    if column.is_empty() {
-        return false;
-    }
-    let place = draw.below(column.len());
-    match draw.below(9) {
+    change(&mut columns[&name], draw, |column, place, draw| match draw.below(9) {
         0 => {
             let factor = *draw.of(&[-1.0, 0.0, 1e-3, 1e3, 1e-9, 1e9, 1e-30, 1e30, 1e-160, 1e160, 1.1]);
             column.iter_mut().for_each(|x| *x *= factor);
@@ -40,7 +42,7 @@ pub fn column(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
             let all = if draw.chance(50) { column[place] } else { values::reading(draw) };
             column.fill(all);
         }
-        2 => draw.shuffle(&mut column),
+        2 => draw.shuffle(column),
         3 => column.reverse(),
         4 => {
             let jump = *draw.of(&[1.0, -1.0, 1e3, 1e5, 1e-6]);
@@ -52,9 +54,7 @@ pub fn column(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
             column.iter_mut().for_each(|x| *x = (*x / code).round() * code);
         }
         _ => column.sort_by(f64::total_cmp),
-    }
-    columns[&name] = json!(column);
-    true
+    })
 }
 
 /// Repeated, backwards, with a clock that jumps, far away, or at one step.
@@ -62,12 +62,7 @@ pub fn times(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let Some(column) = columns(value, draw).and_then(|columns| columns.get_mut("time_s")) else {
         return false;
     };
-    let mut times = numbers(column);
-    if times.is_empty() {
-        return false;
-    }
-    let place = draw.below(times.len());
-    match draw.below(7) {
+    change(column, draw, |times, place, draw| match draw.below(7) {
         0 => times[place] = times[place.saturating_sub(1)],
         1 => {
             let jump = *draw.of(&[-1.0, 1.0, -3600.0, 3600.0, 86400.0, 1e9, 1e15, -1e9, 0.001]);
@@ -87,9 +82,7 @@ pub fn times(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
             let other = draw.below(times.len());
             times.swap(place, other);
         }
-    }
-    *column = json!(times);
-    true
+    })
 }
 
 /// One column's readings in another's place.

@@ -54,22 +54,22 @@ fn somewhere<'a>(value: &'a mut Value, draw: &mut Draw) -> Option<&'a mut Value>
     value.pointer_mut(&pointer)
 }
 
-/// A number somewhere, for writing.
-fn some_number<'a>(value: &'a mut Value, draw: &mut Draw) -> Option<&'a mut Value> {
+/// What is of some type, somewhere, for writing.
+fn some<'a>(value: &'a mut Value, is: fn(&Value) -> bool, draw: &mut Draw) -> Option<&'a mut Value> {
     let pointer = (0..20)
         .filter_map(|_| pointers::pick(value, draw))
-        .find(|pointer| value.pointer(pointer).is_some_and(Value::is_number))?;
+        .find(|pointer| value.pointer(pointer).is_some_and(is))?;
     value.pointer_mut(&pointer)
 }
 
 fn number(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = some_number(value, draw) else { return false };
+    let Some(place) = some(value, Value::is_number, draw) else { return false };
     *place = values::number(draw);
     true
 }
 
 fn scaled(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = some_number(value, draw) else { return false };
+    let Some(place) = some(value, Value::is_number, draw) else { return false };
     let factor = *draw.of(&[-1.0, 0.5, 2.0, 10.0, 1e-3, 1e3, 1e-9, 1e9, 1e100, 1.0001]);
     *place = json!(place.as_f64().unwrap_or_default() * factor);
     true
@@ -121,10 +121,7 @@ fn unknown_key(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
 }
 
 fn word(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let pointer = (0..20)
-        .filter_map(|_| pointers::pick(value, draw))
-        .find(|pointer| value.pointer(pointer).is_some_and(Value::is_string));
-    let Some(place) = pointer.and_then(|pointer| value.pointer_mut(&pointer)) else { return false };
+    let Some(place) = some(value, Value::is_string, draw) else { return false };
     *place = json!(values::word(draw));
     true
 }
@@ -160,32 +157,24 @@ fn exchanged(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let (Some(a), Some(b)) = (value.pointer(&one).cloned(), value.pointer(&other).cloned()) else {
         return false;
     };
-    if let Some(place) = value.pointer_mut(&one) {
-        *place = b;
-    }
-    if let Some(place) = value.pointer_mut(&other) {
-        *place = a;
+    for (place, part) in [(one, b), (other, a)] {
+        value.pointer_mut(&place).into_iter().for_each(|place| *place = part.clone());
     }
     true
 }
 
-/// A list somewhere, for writing.
-fn some_list<'a>(value: &'a mut Value, draw: &mut Draw) -> Option<&'a mut Vec<Value>> {
-    let pointer = (0..20)
-        .filter_map(|_| pointers::pick(value, draw))
-        .find(|pointer| value.pointer(pointer).is_some_and(Value::is_array))?;
-    value.pointer_mut(&pointer)?.as_array_mut()
-}
-
 fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(list) = some_list(value, draw).filter(|list| !list.is_empty()) else { return false };
+    let Some(Value::Array(list)) = some(value, Value::is_array, draw) else { return false };
+    if list.is_empty() {
+        return false;
+    }
     let item = draw.of(list).clone();
     list.insert(draw.below(list.len() + 1), item);
     true
 }
 
 fn list(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(list) = some_list(value, draw) else { return false };
+    let Some(Value::Array(list)) = some(value, Value::is_array, draw) else { return false };
     match draw.below(4) {
         0 => list.clear(),
         1 => list.truncate(draw.below(list.len())),

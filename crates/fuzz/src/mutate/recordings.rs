@@ -6,35 +6,15 @@ use super::change::Context;
 use super::values;
 use crate::draw::Draw;
 
-/// What a recording may follow.
-const PROCEDURES: [&str; 13] = [
-    "coil_constant",
-    "coil_gradient",
-    "nulling_residual",
-    "sensor_sensitivity",
-    "sensor_offset_reversal",
-    "sensor_noise",
-    "offset_drift",
-    "temperature_run",
-    "cross_field",
-    "axes_orientation",
-    "differential",
-    "free_run",
-    "another",
-];
+/// What a recording may follow, with bars between.
+const PROCEDURES: &str = "coil_constant|coil_gradient|nulling_residual|sensor_sensitivity|\
+    sensor_offset_reversal|sensor_noise|offset_drift|temperature_run|cross_field|axes_orientation|\
+    differential|free_run|another";
 
-/// When a recording may begin.
-const STARTS: [&str; 9] = [
-    "1977-05-26T14:44:35Z",
-    "1977-05-26T14:44:35+23:59",
-    "2024-02-29T23:59:60Z",
-    "-009999-01-02T01:59:59Z",
-    "9999-12-30T22:00:00.999999999Z",
-    "1677-01-01T00:00:00Z",
-    "2262-12-31T00:00:00Z",
-    "1977-05-26",
-    "yesterday",
-];
+/// When a recording may begin, with bars between.
+const STARTS: &str = "1977-05-26T14:44:35Z|1977-05-26T14:44:35+23:59|2024-02-29T23:59:60Z|\
+    -009999-01-02T01:59:59Z|9999-12-30T22:00:00.999999999Z|1677-01-01T00:00:00Z|2262-12-31T00:00:00Z|\
+    1977-05-26|yesterday";
 
 fn recordings(value: &mut Value) -> Option<&mut Vec<Value>> {
     value.get_mut("recordings")?.as_array_mut().filter(|list| !list.is_empty())
@@ -65,7 +45,7 @@ pub fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
         again["id"] = json!(format!("again-{}", list.len()));
     }
     if draw.chance(30) {
-        again["start"] = json!(*draw.of(&STARTS));
+        again["start"] = json!(draw.part(STARTS));
     }
     list.push(again);
     true
@@ -85,10 +65,10 @@ pub fn conditions(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
     let Some(recording) = list[place].as_object_mut() else { return false };
     match draw.below(4) {
         0 => {
-            recording.insert("procedure".into(), json!(*draw.of(&PROCEDURES)));
+            recording.insert("procedure".into(), json!(draw.part(PROCEDURES)));
         }
         1 => {
-            recording.insert("start".into(), json!(*draw.of(&STARTS)));
+            recording.insert("start".into(), json!(draw.part(STARTS)));
         }
         2 => {
             recording.shift_remove(*draw.of(&["start", "conditions", "id", "procedure", "columns"]));

@@ -3,59 +3,13 @@
 use crate::draw::Draw;
 use crate::kind::FileKind;
 
-/// What somebody's program writes into a cell.
-const CELLS: [&str; 32] = [
-    "",
-    " ",
-    "nan",
-    "NaN",
-    "inf",
-    "-inf",
-    "1e308",
-    "-1e31",
-    "1e400",
-    "99999.00",
-    "88888.88",
-    "99999",
-    "-99999",
-    "0",
-    "-0",
-    "1e-400",
-    "null",
-    "x",
-    "\"",
-    "\"a",
-    "1,5",
-    "1.5.5",
-    "+1",
-    "0x1F",
-    "1e",
-    "--1",
-    "2024-02-30",
-    "24:00:00",
-    "Infinity",
-    "123456789012345678901234567890",
-    "1_000",
-    "µ",
-];
+/// What somebody's program writes into a cell, with bars between.
+const CELLS: &str = "| |nan|NaN|inf|-inf|1e308|-1e31|1e400|99999.00|88888.88|99999|-99999|0|-0|1e-400|null|\
+    x|\"|\"a|1,5|1.5.5|+1|0x1F|1e|--1|2024-02-30|24:00:00|Infinity|123456789012345678901234567890|1_000|µ";
 
-/// Numbers as JSON texts have them and JSON values do not.
-const LITERALS: [&str; 14] = [
-    "1e400",
-    "-1e400",
-    "NaN",
-    "Infinity",
-    "-Infinity",
-    "01",
-    "1.",
-    ".5",
-    "+1",
-    "1e",
-    "-",
-    "0x1F",
-    "1e-400",
-    "123456789012345678901234567890",
-];
+/// Numbers as JSON texts have them and JSON values do not, with bars between them.
+const LITERALS: &str = "1e400|-1e400|NaN|Infinity|-Infinity|01|1.|.5|+1|1e|-|0x1F|1e-400|\
+    123456789012345678901234567890";
 
 /// Makes one change, and says which.
 pub fn edit(bytes: &mut Vec<u8>, kind: FileKind, draw: &mut Draw) -> &'static str {
@@ -142,15 +96,15 @@ fn cell(line: &mut Vec<u8>, kind: FileKind, separator: u8, draw: &mut Draw) {
             .collect();
         if let Some(start) = starts.get(draw.below(starts.len())) {
             let end = start + line[*start..].iter().take_while(|byte| is_number(byte)).count();
-            line.splice(*start..end, draw.of(&LITERALS).bytes());
+            line.splice(*start..end, draw.part(LITERALS).bytes());
         }
         return;
     }
     if kind == FileKind::Iaga {
-        let text = if draw.chance(50) { draw.of(&CELLS).as_bytes() } else { b"99999.00".as_slice() };
+        let text = if draw.chance(50) { draw.part(CELLS) } else { "99999.00" };
         let start = draw.below(line.len() + 1);
         let end = (start + text.len()).min(line.len());
-        line.splice(start..end, text.iter().copied());
+        line.splice(start..end, text.bytes());
         return;
     }
     let mut cells: Vec<Vec<u8>> = line.split(|byte| *byte == separator).map(<[u8]>::to_vec).collect();
@@ -160,7 +114,7 @@ fn cell(line: &mut Vec<u8>, kind: FileKind, separator: u8, draw: &mut Draw) {
             cells.remove(at);
         }
         1 => cells.insert(at, b"1".to_vec()),
-        _ => cells[at] = draw.of(&CELLS).as_bytes().to_vec(),
+        _ => cells[at] = draw.part(CELLS).into(),
     }
     *line = cells.join(&separator);
 }

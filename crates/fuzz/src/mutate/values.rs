@@ -13,63 +13,14 @@ const NUMBERS: [f64; 30] = [
 /// Whole numbers of JSON.
 const WHOLE: [i64; 10] = [0, 1, -1, 2, 7, 255, 65536, 4_294_967_296, i64::MAX, i64::MIN];
 
-/// Numbers of a command line.
-const TYPED: [&str; 24] = [
-    "nan",
-    "inf",
-    "-inf",
-    "1e308",
-    "-1",
-    "0",
-    "1e-308",
-    "-0",
-    "1",
-    "0.5",
-    "2",
-    "5",
-    "24",
-    "25",
-    "1e400",
-    "",
-    "x",
-    "1e9",
-    "1e-9",
-    "18446744073709551616",
-    "4294967297",
-    "1,5",
-    "0x10",
-    " 1",
-];
+/// Numbers of a command line, with bars between them.
+const TYPED: &str = "nan|inf|-inf|1e308|-1|0|1e-308|-0|1|0.5|2|5|24|25|1e400||x|1e9|1e-9|\
+    18446744073709551616|4294967297|1,5|0x10| 1";
 
-/// Words.
-const WORDS: [&str; 26] = [
-    "",
-    " ",
-    "x",
-    "y",
-    "z",
-    "all",
-    "flight",
-    "0",
-    "1.5",
-    "1e308",
-    "\u{0}",
-    "\u{feff}x",
-    "ÄÖ µT\u{202e}",
-    "../x",
-    "/dev/zero",
-    "a\nb",
-    "<script>&\"'",
-    "1977-05-26T14:44:35Z",
-    "0000-01-01T00:00:00Z",
-    "-009999-01-02T01:59:59Z",
-    "9999-12-30T22:00:00Z",
-    "1977-02-30T00:00:00Z",
-    "sensor_x_v",
-    "time_s",
-    "nT",
-    "https://example.org/",
-];
+/// Words, with bars between them.
+const WORDS: &str = "| |x|y|z|all|flight|0|1.5|1e308|\u{0}|\u{feff}x|ÄÖ µT\u{202e}|../x|/dev/zero|a\nb|\
+    <script>&\"'|1977-05-26T14:44:35Z|0000-01-01T00:00:00Z|-009999-01-02T01:59:59Z|9999-12-30T22:00:00Z|\
+    1977-02-30T00:00:00Z|sensor_x_v|time_s|nT|https://example.org/";
 
 /// A number of JSON that is seldom thought of.
 pub fn number(draw: &mut Draw) -> Value {
@@ -88,12 +39,12 @@ pub fn reading(draw: &mut Draw) -> f64 {
 
 /// A number on a command line.
 pub fn typed(draw: &mut Draw) -> &'static str {
-    TYPED[draw.below(TYPED.len())]
+    draw.part(TYPED)
 }
 
 /// A word.
 pub fn word(draw: &mut Draw) -> String {
-    if draw.chance(3) { "long ".repeat(20_000) } else { (*draw.of(&WORDS)).to_string() }
+    if draw.chance(3) { "long ".repeat(20_000) } else { draw.part(WORDS).to_string() }
 }
 
 /// A value of another type.

@@ -4,18 +4,12 @@
 
 use fuzz::programs::Programs;
 use fuzz::session::{Session, Settings};
-
-fn number(variable: &str, usual: u64) -> u64 {
-    match std::env::var(variable) {
-        Ok(text) => text.parse().unwrap_or_else(|_| panic!("{variable}={text}; expected a number")),
-        Err(_) => usual,
-    }
-}
+use testkit::number;
 
 #[test]
 fn no_rule_is_broken() {
     let programs = Programs::find(None).unwrap_or_else(|error| panic!("{error}"));
-    let (seed, cases) = (number("FLUXCAL_SEED", 1977), number("FLUXCAL_FUZZ_CASES", 300));
+    let (seed, cases) = (number("FLUXCAL_SEED").unwrap_or(1977), number("FLUXCAL_FUZZ_CASES").unwrap_or(300));
     println!("seed {seed}, {cases} cases");
     let session = Session::new(programs).unwrap_or_else(|error| panic!("{error}"));
     let settings = Settings { seed, cases: 0..cases, time: None, processor_s: 600, only: None, keep: None };
