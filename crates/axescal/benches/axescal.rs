@@ -60,7 +60,7 @@ fn monte_carlo_10_000(bencher: divan::Bencher) {
         let start = AxesState::new(Matrix3::identity(), Matrix3::identity(), observations.orientations.len());
         let first = AxesProblem::new(&observations, &freedom, NoiseFactors::ONE);
         let options = estimate::Options::default();
-        let first = estimate::solve(&first, start, None, &options).expect("a minimum");
+        let first = estimate::solve(&first, start, None, &options).expect("a minimum").state;
         (0..10_000u64)
             .into_par_iter()
             .map(|campaign| {
@@ -70,7 +70,7 @@ fn monte_carlo_10_000(bencher: divan::Bencher) {
                     reading.value_nt += 2.0 * phase - 1.0;
                 }
                 let problem = AxesProblem::new(&noisy, &freedom, NoiseFactors::ONE);
-                estimate::solve_near(&problem, &first, &options).expect("a minimum").cost
+                estimate::solve(&problem, first.clone(), None, &options).expect("a minimum").cost
             })
             .sum::<f64>()
     });

@@ -42,9 +42,7 @@ pub mod stats;
 
 pub use linear::svd::Svd;
 pub use linear::{correlated, dot, exact, hac, influence, mixture, positive, svd, triangle, tsqr, wander};
-pub use nonlinear::gauss_newton::{
-    Fit, Linear, Options, Problem, Step, linearised, minimise, solve, solve_near,
-};
+pub use nonlinear::gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve};
 pub use nonlinear::{gauss_newton, line_search};
 pub use robust::normality;
 pub use screening::{events, screen};

@@ -58,12 +58,12 @@ pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
 /// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
 pub fn mean(values: &[f64]) -> f64 {
     let n = values.len() as f64;
-    let first = sum(values, 0.0) / n;
-    first + sum(values, first) / n
+    let first = sum_from(values, 0.0) / n;
+    first + sum_from(values, first) / n
 }
 
 /// Σ (x_i − x₀), in eight sums, which need not wait for one another.
-fn sum(values: &[f64], from: f64) -> f64 {
+pub(crate) fn sum_from(values: &[f64], from: f64) -> f64 {
     const SUMS: usize = 8;
     let mut sums = [0.0; SUMS];
     let blocks = values.chunks_exact(SUMS);

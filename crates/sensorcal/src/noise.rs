@@ -148,7 +148,7 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
     let mut found = SensorNoise {
         series: all.iter().zip(&fit.white_rms).map(|(one, white)| series_result(one, *white, fit)).collect(),
         flicker_nt2_per_hz_at_1hz: quantity(fit.amplitude),
-        flicker_below_nt2_per_hz: fit.amplitude_upper,
+        flicker_below_nt2_per_hz: fit.amplitude.bound(),
         flicker_exponent: quantity(fit.exponent),
         density_at_1hz_nt_per_sqrt_hz: quantity(fit.flicker_density(1.0).root()),
         white: match fit.white {
@@ -239,7 +239,7 @@ fn white(all: &[Series<'_>], fit: &WhittleFit) -> (Quantity, Option<f64>) {
     }
     let rms = own.sqrt();
     if rms == 0.0 {
-        let bounds = fit.white_upper.iter().flatten().copied();
+        let bounds = fit.white_rms.iter().filter_map(Estimate::bound);
         let seen = fit.white_rms.iter().map(|white| white.value + 1.645 * white.std).fold(0.0, f64::max);
         return (Quantity::new(0.0, 0.0), Some(bounds.fold(seen, f64::max)));
     }

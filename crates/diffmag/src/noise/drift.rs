@@ -41,7 +41,8 @@ pub fn window_means(
     let field = pair.reference.each_ref().map(|column| stats::mean(column));
     let of = |number: usize| {
         let rows = number * count..(number + 1) * count;
-        let noise = errors.variance_of(&columns.cosine.mean_over(rows.clone()));
+        let mean = columns.cosine.mean_over(rows.clone());
+        let noise = errors.covariance_of(&mean, &mean);
         let moved: [f64; 3] =
             std::array::from_fn(|axis| stats::mean(&pair.reference[axis][rows.clone()]) - field[axis]);
         let of_matrix: f64 = (0..9).map(|at| moved[at / 3] * moved[at % 3] * matrix[(at / 3, at % 3)]).sum();

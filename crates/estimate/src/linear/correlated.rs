@@ -1,7 +1,7 @@
 //! Linear least squares of readings whose errors are correlated (generalised least squares).
 
 use faer::linalg::solvers::Llt;
-use faer::{ColRef, Mat, MatMut, MatRef, Side};
+use faer::{ColRef, Mat, MatMut, MatRef};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -9,6 +9,7 @@ use crate::Error;
 use crate::gauss_newton::Linear;
 use crate::linear::{self, LinearFit};
 use crate::mixture::{Component, Mixture};
+use crate::positive::{Positive, cholesky};
 use crate::svd::Svd;
 
 /// Combinations of unknowns count as shown down to this share of the largest singular value.
@@ -56,13 +57,8 @@ pub struct Whitening {
 impl Whitening {
     /// Of the covariance of each group of readings, which must be positive definite.
     pub fn of(covariances: &[Mat<f64>]) -> Result<Self, Error> {
-        let groups = covariances.iter().map(|covariance| {
-            let rows = covariance.nrows();
-            let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
-            let factor = covariance.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-            Ok(Arc::new(factor) as Arc<dyn Root>)
-        });
-        Ok(Self::by(groups.collect::<Result<_, Error>>()?))
+        let root = |covariance: &Mat<f64>| Ok(Arc::new(cholesky(covariance.as_ref())?) as Arc<dyn Root>);
+        Ok(Self::by(covariances.iter().map(root).collect::<Result<_, Error>>()?))
     }
 
     /// By what makes each group of readings independent.
@@ -85,11 +81,6 @@ impl Whitening {
     #[must_use]
     pub fn weighing(self, prior: f64) -> Self {
         Self { log_prior: prior.ln(), ..self }
-    }
-
-    /// ln |V|.
-    pub fn log_determinant(&self) -> f64 {
-        self.log_determinant
     }
 
     /// L⁻¹ A.
@@ -246,17 +237,10 @@ fn shown(design: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     Ok(Mat::from_fn(svd.rank(), design.ncols(), |i, j| directions[(j, i)] * svd.lengths()[j]))
 }
 
-/// ln |C| of a covariance; columns are scaled first, for their units may differ by many powers of ten.
+/// ln |C| of a covariance; of one that rounding leaves singular, as if its elements were independent.
 pub(crate) fn log_determinant(covariance: &Mat<f64>) -> f64 {
-    let n = covariance.nrows();
-    let scale: Vec<f64> = (0..n).map(|i| covariance[(i, i)].sqrt()).collect();
-    let scaled = Mat::from_fn(n, n, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
-    let logarithm: f64 = scaled
-        .as_ref()
-        .llt(Side::Lower)
-        .map(|factor| (0..n).map(|i| 2.0 * factor.L()[(i, i)].ln()).sum())
-        .unwrap_or(0.0);
-    logarithm + scale.iter().map(|s| 2.0 * s.ln()).sum::<f64>()
+    let independent = || covariance.diagonal().column_vector().iter().map(|variance| variance.ln()).sum();
+    Positive::of(covariance).map_or_else(|_| independent(), |positive| positive.log_determinant)
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! Coefficients under several models at once, each model with its probability.
 
+use faer::Mat;
 use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal, StudentsT};
 use std::sync::OnceLock;
 
+use crate::positive::cholesky;
 use crate::{Error, stats};
 
 /// Probability of the intervals that covariances are scaled to.
@@ -108,7 +109,7 @@ impl Mixture {
         if parts.len() < 2 || variance == 0.0 || parts.iter().any(|part| part.std == 0.0) {
             return single;
         }
-        let law = Law::of(self.freedom);
+        let law = law(self.freedom);
         let far = |part: &Part| part.away.abs() + single * part.std;
         let (mut low, mut high) = (0.0, parts.iter().map(far).fold(0.0, f64::max));
         let mut half = (single * variance.sqrt()).min(high);
@@ -116,7 +117,7 @@ impl Mixture {
         for _ in 0..MOST_STEPS {
             let (inside, slope) = parts.iter().fold((0.0, 0.0), |(inside, slope), part| {
                 let [above, below] = [half - part.away, -half - part.away].map(|at| at / part.std);
-                let density = (law.density(above) + law.density(below)) / part.std;
+                let density = (law.pdf(above) + law.pdf(below)) / part.std;
                 let held = law.cdf(above) - law.cdf(below);
                 (inside + part.weight * held, slope + part.weight * density)
             });
@@ -144,9 +145,7 @@ impl Mixture {
         let of = |(one, weight): (&Component, f64)| {
             let block = Mat::from_fn(count, count, |i, j| one.covariance[(which[i], which[j])]);
             let values = Mat::from_fn(count, 1, |i, _| one.coefficients[which[i]]);
-            let failed = |reason: String| Error::Decomposition { rows: count, columns: count, reason };
-            let factor = block.llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-            let solved = factor.solve(&values);
+            let solved = cholesky(block.as_ref())?.solve(&values);
             let form: f64 = (0..count).map(|i| values[(i, 0)] * solved[(i, 0)]).sum();
             Ok(weight * stats::f_p(form / count as f64, count as f64, self.freedom))
         };
@@ -173,32 +172,16 @@ impl Part {
     }
 }
 
-/// The distribution of a coefficient under one model, over its standard deviation.
-enum Law {
-    Normal(Normal),
-    Student(StudentsT),
-}
+/// A distribution with its density.
+trait Law: ContinuousCDF<f64, f64> + Continuous<f64, f64> {}
 
-impl Law {
-    fn of(freedom: f64) -> Self {
-        match StudentsT::new(0.0, 1.0, freedom) {
-            Ok(law) if freedom < stats::NORMAL_FROM => Law::Student(law),
-            _ => Law::Normal(Normal::standard()),
-        }
-    }
+impl<T: ContinuousCDF<f64, f64> + Continuous<f64, f64>> Law for T {}
 
-    fn cdf(&self, at: f64) -> f64 {
-        match self {
-            Law::Normal(law) => law.cdf(at),
-            Law::Student(law) => law.cdf(at),
-        }
-    }
-
-    fn density(&self, at: f64) -> f64 {
-        match self {
-            Law::Normal(law) => law.pdf(at),
-            Law::Student(law) => law.pdf(at),
-        }
+/// That of a coefficient under one model, over its standard deviation.
+fn law(freedom: f64) -> Box<dyn Law> {
+    match StudentsT::new(0.0, 1.0, freedom) {
+        Ok(student) if freedom < stats::NORMAL_FROM => Box::new(student),
+        _ => Box::new(Normal::standard()),
     }
 }
 

@@ -89,21 +89,6 @@ impl Svd {
         x
     }
 
-    /// (AᵀA)⁺ g, the step of least squares for the gradient g = Aᵀ r, and the length of A times it.
-    pub fn step(&self, gradient: &[f64]) -> (Vec<f64>, f64) {
-        let mut step = vec![0.0; self.v.nrows()];
-        let scaled: Vec<f64> = gradient.iter().zip(&self.lengths).map(|(g, length)| g / length).collect();
-        let mut squares = 0.0;
-        for k in 0..self.rank {
-            let direction = self.v.col_as_slice(k);
-            let along = direction.iter().zip(&scaled).map(|(v, g)| v * g).sum::<f64>() / self.sigma[k];
-            squares += along * along;
-            step.iter_mut().zip(direction).for_each(|(step, v)| *step += along / self.sigma[k] * v);
-        }
-        step.iter_mut().zip(&self.lengths).for_each(|(step, length)| *step /= length);
-        (step, squares.sqrt())
-    }
-
     /// D⁻¹ V σ⁻² Vᵀ D⁻¹: the covariance of the solution for rows of unit variance.
     pub fn covariance(&self) -> Mat<f64> {
         let scaled = Mat::from_fn(self.v.nrows(), self.rank, |i, k| {
@@ -174,6 +159,7 @@ fn decompose(a: &Mat<f64>) -> Result<(faer::linalg::solvers::Svd<f64>, Mat<f64>)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use noise::Stream;
     use proptest::prelude::*;
 
     #[test]
@@ -201,13 +187,9 @@ mod tests {
         #[test]
         fn null_directions_are_unseen(rows in 1usize..9, columns in 1usize..9, rank in 1usize..5, seed in 0u64..1000) {
             let rank = rank.min(rows).min(columns);
-            let mut state = seed.wrapping_mul(2862933555777941757).wrapping_add(3037000493);
-            let mut random = || {
-                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-                (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-            };
-            let left = Mat::from_fn(rows, rank, |_, _| random());
-            let right = Mat::from_fn(rank, columns, |_, _| random());
+            let mut stream = Stream::new(seed, "svd");
+            let left = Mat::from_fn(rows, rank, |_, _| stream.normal());
+            let right = Mat::from_fn(rank, columns, |_, _| stream.normal());
             let a = &left * &right;
             let svd = Svd::of(a.as_ref(), 1e-9).expect("finite");
             prop_assert!(svd.rank() <= rank);

@@ -3,6 +3,8 @@
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
+use crate::linear::dot;
+
 /// Squares below this are what rounding leaves of rounding; their inverse would not be finite.
 const NOTHING: f64 = 1e-280;
 
@@ -81,17 +83,6 @@ impl Triangle {
             }
         }
     }
-}
-
-/// Σ ab, eight sums side by side.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let (chunks_a, chunks_b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = chunks_a.remainder().iter().zip(chunks_b.remainder()).map(|(a, b)| a * b).sum();
-    let mut sums = [0.0; 8];
-    for (a, b) in chunks_a.zip(chunks_b) {
-        (0..8).for_each(|k| sums[k] += a[k] * b[k]);
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::exact::Sum;
+use crate::stats::sum_from;
 use crate::triangle::Triangle;
 
 /// What a column leaves of itself beside the others counts as nothing below this share of it.
@@ -34,8 +35,6 @@ pub struct Tsqr {
 pub struct Regression {
     /// For each response the coefficients of the predictors.
     pub coefficients: Vec<Vec<f64>>,
-    /// For each response the constant.
-    pub intercepts: Vec<f64>,
     /// (X°ᵀX°)⁻¹ of the predictors.
     pub inverse: Mat<f64>,
     /// For each response the sum of its squared residuals.
@@ -81,7 +80,7 @@ impl Tsqr {
         let mut sums = Vec::with_capacity(width);
         for column in columns {
             let first = column[0];
-            let mut sum = Sum::of(sum_of_rest(column, first));
+            let mut sum = Sum::of(sum_from(column, first));
             sum.add_times(count, Sum::of(first));
             means.push(sum.over(count).value());
             sums.push(sum);
@@ -150,32 +149,14 @@ impl Tsqr {
         factor.solve_upper_triangular_in_place(root.as_mut());
         let mut solved = upper.submatrix(0, known, known, responses.len()).to_owned();
         factor.solve_upper_triangular_in_place(solved.as_mut());
-        let (mut coefficients, mut intercepts, mut squares) = (Vec::new(), Vec::new(), Vec::new());
-        for (place, response) in responses.iter().enumerate() {
-            let column = known + place;
-            let found = solved.col_as_slice(place).to_vec();
-            let mut constant = self.sums[*response].over(self.count as f64);
-            for (predictor, coefficient) in predictors.iter().zip(&found) {
-                constant.add_times(-coefficient, self.sums[*predictor].over(self.count as f64));
-            }
-            intercepts.push(constant.value());
-            coefficients.push(found);
-            squares.push((known..upper.nrows().min(column + 1)).map(|i| upper[(i, column)].powi(2)).sum());
-        }
-        let freedom = self.count as f64 - known as f64 - 1.0;
-        Ok(Regression { coefficients, intercepts, inverse: &root * root.transpose(), squares, freedom })
+        let left = |column: usize| (known..upper.nrows().min(column + 1)).map(move |i| upper[(i, column)]);
+        Ok(Regression {
+            coefficients: (0..responses.len()).map(|place| solved.col_as_slice(place).to_vec()).collect(),
+            inverse: &root * root.transpose(),
+            squares: (known..chosen.len()).map(|column| left(column).map(|u| u * u).sum()).collect(),
+            freedom: self.count as f64 - known as f64 - 1.0,
+        })
     }
-}
-
-/// Σ (x − c), four sums side by side.
-fn sum_of_rest(column: &[f64], constant: f64) -> f64 {
-    let chunks = column.chunks_exact(4);
-    let rest: f64 = chunks.remainder().iter().map(|value| value - constant).sum();
-    let mut sums = [0.0; 4];
-    for chunk in chunks {
-        (0..4).for_each(|k| sums[k] += chunk[k] - constant);
-    }
-    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
 #[cfg(test)]
@@ -228,7 +209,7 @@ mod tests {
         factor.push(&[&x, &y, &x]);
         assert!(matches!(factor.regress(&[0, 1], &[2]), Err(Error::Decomposition { .. })));
         let line = factor.regress(&[0], &[1]).expect("a line");
-        assert!((line.coefficients[0][0] - 2.0).abs() < 1e-14 && line.intercepts[0].abs() < 1e-14);
+        assert!((line.coefficients[0][0] - 2.0).abs() < 1e-14 && line.squares[0] < 1e-28);
         assert!(matches!(Tsqr::new(3).regress(&[0], &[1]), Err(Error::TooFew { .. })));
     }
 }

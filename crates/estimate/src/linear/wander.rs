@@ -1,9 +1,10 @@
 //! Linear least squares of values whose own errors are known and that wander besides, by an unknown amount.
 
-use faer::{Mat, MatRef, Side};
+use faer::{Mat, MatRef};
 
 use crate::correlated::log_determinant;
 use crate::mixture::Component;
+use crate::positive::eigen;
 use crate::{Error, linear};
 
 /// y = X β + e + w: the own errors e have the covariance s D, D diagonal and s not below one; the wander w
@@ -25,18 +26,16 @@ impl Wander {
         let relative = |i: usize, j: usize| wander[i * rows + j] / (own[i] * own[j]).sqrt();
         let scale = (0..rows).map(|i| relative(i, i)).sum::<f64>() / rows as f64;
         let matrix = Mat::from_fn(rows, rows, |i, j| relative(i, j) / scale);
-        let failed = |reason: String| Error::Decomposition { rows, columns: rows, reason };
-        let eigen = matrix.self_adjoint_eigen(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+        let (values, directions) = eigen(matrix.as_ref())?;
         let turned = |column: &dyn Fn(usize) -> f64| {
             let white = Mat::from_fn(rows, 1, |i, _| column(i) / own[i].sqrt());
-            eigen.U().transpose() * white
+            directions.transpose() * white
         };
         let columns: Vec<Mat<f64>> = (0..design.ncols()).map(|j| turned(&|i| design[(i, j)])).collect();
-        let values = eigen.S().column_vector();
         Ok(Self {
             design: Mat::from_fn(rows, design.ncols(), |i, j| columns[j][(i, 0)]),
             y: turned(&|i| y[i]).col_as_slice(0).to_vec(),
-            eigenvalues: (0..rows).map(|i| values[i].max(0.0)).collect(),
+            eigenvalues: values.iter().map(|value| value.max(0.0)).collect(),
             scale,
         })
     }
@@ -94,6 +93,7 @@ impl Wander {
 mod tests {
     use super::*;
     use crate::correlated::{self, Scale, Whitening};
+    use noise::{Stream, random_walk};
 
     #[test]
     fn turned_and_whole_covariances_fit_alike() {
@@ -133,25 +133,13 @@ mod tests {
         let design = Mat::from_fn(rows, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
         let q = 0.8;
         let (mut sum, mut draws) = (0.0, 0.0);
-        // Normal draws by Box and Muller from a fixed sequence.
-        let mut state = 1u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            ((state >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-        };
+        let mut stream = Stream::new(1, "wander");
+        let scale = (0..rows).map(|i| walk[i * rows + i]).sum::<f64>() / rows as f64;
+        let time: Vec<f64> = (0..rows).map(|i| i as f64).collect();
         let mut prior = 0.0;
         for _ in 0..4000 {
-            let mut normal = || (-2.0 * uniform().ln()).sqrt() * (std::f64::consts::TAU * uniform()).cos();
-            let scale = (0..rows).map(|i| walk[i * rows + i]).sum::<f64>() / rows as f64;
-            let mut level = 0.0;
-            let y: Vec<f64> = (0..rows)
-                .map(|i| {
-                    if i > 0 {
-                        level += (q / scale).sqrt() * normal();
-                    }
-                    level + normal()
-                })
-                .collect();
+            let mut y = random_walk(&mut stream, &time, (q / scale).sqrt());
+            y.iter_mut().for_each(|level| *level += stream.normal());
             let wander = Wander::of(design.as_ref(), &y, &own, &walk).expect("turned");
             prior = wander.reference_prior(q).expect("a prior");
             let at = |q: f64| wander.fit(1.0, q).expect("a fit").log_weight;

@@ -7,7 +7,7 @@ mod dense;
 mod descent;
 mod directions;
 
-pub use dense::{Fit, Options, Problem, linearised, solve, solve_near};
+pub use dense::{Fit, Options, Problem, linearised, solve};
 pub use descent::{Control, Damping, Descent, Linear, Minimum, Step, Tolerance, minimise};
 pub use directions::Directions;
 
@@ -59,23 +59,6 @@ mod tests {
             let std = (variance * fit.svd.covariance()[(0, 0)]).sqrt();
             assert!((std / 2.707_007_524_1 - 1.0).abs() < 1e-8, "{std}");
         }
-    }
-
-    #[test]
-    fn a_problem_nearby_has_its_own_minimum() {
-        // The start is the minimum of another problem only if this one's readings are others.
-        let options = Options { tolerance: 1e-9, ..Options::default() };
-        let fit = solve(&Misra1a, [250.0, 5e-4], None, &options).expect("a minimum");
-        let moved = Fit { state: [fit.state[0] * 1.001, fit.state[1] * 0.999], ..fit.clone() };
-        let near = solve_near(&Misra1a, &moved, &options).expect("a minimum");
-        assert!(!near.steps.is_empty() && near.steps.len() < 10);
-        for k in 0..2 {
-            assert!((near.state[k] / fit.state[k] - 1.0).abs() < 1e-10, "{:?}", near.state);
-        }
-        // Far off it begins anew.
-        let far = Fit { state: [500.0, 1e-4], ..fit.clone() };
-        let found = solve_near(&Misra1a, &far, &options).expect("a minimum");
-        assert!((found.cost / fit.cost - 1.0).abs() < 1e-9);
     }
 
     /// NIST StRD MGH10: y = b1 e^(b2/(x + b3)), higher difficulty; whole steps overflow.

@@ -81,6 +81,19 @@ pub(crate) fn minimise(
     Err(Error::NotConverged { iterations: MOST_STEPS, last_shift: expected.sqrt() })
 }
 
+/// Twice the fall in log likelihood where θ_i is zero, with `held` held too.
+pub(crate) fn fall_without(
+    likelihood: &impl Likelihood,
+    best: &Optimum,
+    i: usize,
+    held: &[usize],
+) -> Result<f64, Error> {
+    let mut without = best.theta.clone();
+    without[i] = 0.0;
+    let held: Vec<usize> = held.iter().copied().chain([i]).collect();
+    Ok(2.0 * (minimise(likelihood, without, &held)?.cost - best.cost))
+}
+
 /// The one-sided 95 % bound of θ_i by the likelihood ratio, with `held` held: where the least cost over the
 /// others is 1.645²/2 above that at `best`.
 pub(crate) fn upper(

@@ -1,9 +1,11 @@
 //! The lag at which one series follows several others.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use faer::linalg::solvers::Solve;
 use fourier::Complex;
 
 use crate::Error;
+use crate::positive::cholesky;
 
 /// What is slower than so many samples does not count: over it the ends of the series weigh too much.
 const MEMORY: usize = 256;
@@ -80,52 +82,39 @@ pub fn explained(
         back.process(&mut input, &mut output).expect("buffers of the plan's lengths, real ends");
         products.push(output);
     }
-    let failed = |reason: String| Error::Decomposition { rows: unknowns, columns: unknowns, reason };
-    let factor = information.as_ref().llt(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-    let dependent = (0..unknowns).any(|i| factor.L()[(i, i)].powi(2) <= DEPENDENT * information[(i, i)]);
-    if dependent {
-        return Err(failed("a column that follows from the others".into()));
+    let factor = cholesky(information.as_ref())?;
+    if (0..unknowns).any(|i| factor.L()[(i, i)].powi(2) <= DEPENDENT * information[(i, i)]) {
+        let reason = "a column that follows from the others".into();
+        return Err(Error::Decomposition { rows: unknowns, columns: unknowns, reason });
     }
     let at = |lag: usize| (n + lag - reach) % n;
     let right = Mat::from_fn(unknowns, 2 * reach + 1, |i, lag| products[i][at(lag)]);
-    let solved = faer::linalg::solvers::Solve::solve(&factor, &right);
+    let solved = factor.solve(&right);
     Ok((0..=2 * reach).map(|lag| (0..unknowns).map(|i| right[(i, lag)] * solved[(i, lag)]).sum()).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use noise::{Stream, random_walk};
 
     #[test]
     fn the_lag_is_found_and_its_gain_is_a_chi_squared() {
         let n = 2000;
-        let mut state = 5_u64;
-        let mut random = || {
-            state = (1_664_525 * state + 1_013_904_223) % (1 << 32);
-            state as f64 / 2_f64.powi(32) - 0.5
-        };
-        let x: Vec<Vec<f64>> = (0..2)
-            .map(|_| {
-                let mut level = 0.0;
-                (0..n + 40)
-                    .map(|_| {
-                        level += random();
-                        level
-                    })
-                    .collect()
-            })
-            .collect();
-        // Variance of the noise: 0.3²/12.
-        let y: Vec<f64> = (0..n).map(|m| 0.8 * x[0][m + 7] - 0.3 * x[1][m + 7] + 0.3 * random()).collect();
+        let mut stream = Stream::new(5, "lag");
+        let time: Vec<f64> = (0..n + 40).map(|m| m as f64).collect();
+        let x = [(); 2].map(|()| random_walk(&mut stream, &time, 1.0));
+        let y: Vec<f64> =
+            (0..n).map(|m| 0.8 * x[0][m + 7] - 0.3 * x[1][m + 7] + 0.3 * stream.normal()).collect();
         let columns: Vec<Vec<f64>> = x.iter().map(|x| x[20..n + 20].to_vec()).collect();
-        let density = |_: f64| 2.0 * 0.09 / 12.0;
+        let density = |_: f64| 2.0 * 0.09;
         let gains = explained(&columns, &y, 1.0, &density, 100).expect("gains");
         let best = (0..gains.len()).max_by(|a, b| gains[*a].total_cmp(&gains[*b])).expect("a maximum");
         assert_eq!(best as i64 - 100, 13, "y has now what the columns had 13 samples ago");
         // Of noise alone two columns explain a χ² of two.
         let by_chance: Vec<f64> = (0..30)
             .flat_map(|_| {
-                let noise: Vec<f64> = (0..n).map(|_| 0.3 * random()).collect();
+                let noise: Vec<f64> = (0..n).map(|_| 0.3 * stream.normal()).collect();
                 explained(&columns, &noise, 1.0, &density, 100).expect("gains")
             })
             .collect();

@@ -19,8 +19,6 @@ pub struct AllanPoint {
     pub deviation: f64,
     /// Equivalent degrees of freedom ν: ν σ̂²/σ² is about χ²(ν).
     pub freedom: f64,
-    /// Pairs of neighbouring averages, n − 2m + 1 of n samples; they overlap.
-    pub pairs: usize,
 }
 
 /// Overlapping Allan deviations of the averages of samples `step_s` seconds apart, at m = 1, 2, 4, … samples
@@ -61,7 +59,7 @@ pub fn overlapping(
     let point = |m: usize| {
         let averaging_s = m as f64 * step_s;
         let freedom = freedom(sums.len(), m, exponent(averaging_s));
-        AllanPoint { averaging_s, deviation: variance(&sums, m).sqrt(), freedom, pairs: sums.len() - 2 * m }
+        AllanPoint { averaging_s, deviation: variance(&sums, m).sqrt(), freedom }
     };
     Ok(lengths.into_par_iter().map(point).collect())
 }
@@ -92,20 +90,11 @@ pub fn deviation(samples: &[f64], m: usize) -> Option<f64> {
 }
 
 impl AllanPoint {
-    /// The factors by which the deviation is to be multiplied for the band that holds the true one with
-    /// `probability`, half of the rest on either side: √(ν/χ²((1 + p)/2; ν)) and √(ν/χ²((1 − p)/2; ν)), χ²(q;
-    /// ν) the quantile of χ².
-    ///
-    /// NaN if `probability` is not in 0 … 1.
-    pub fn interval(&self, probability: f64) -> (f64, f64) {
-        let (low, high) = stats::variance_interval(self.freedom, probability);
-        (low.sqrt(), high.sqrt())
-    }
-
-    /// That band itself (the samples' unit).
+    /// The band that holds the true deviation with `probability`, half of the rest on either side (the
+    /// samples' unit); see [`stats::variance_interval`].
     pub fn band(&self, probability: f64) -> [f64; 2] {
-        let (low, high) = self.interval(probability);
-        [self.deviation * low, self.deviation * high]
+        let (low, high) = stats::variance_interval(self.freedom, probability);
+        [low, high].map(|factor| self.deviation * factor.sqrt())
     }
 }
 

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::stats::mean;
 
 /// Fewer samples than these have no spectrum worth the name.
-const LEAST_SAMPLES: usize = 8;
+pub(crate) const LEAST_SAMPLES: usize = 8;
 
 /// One-sided spectral matrices: S_ij is the density of ⟨x_i* x_j⟩, S_ii the power density of series i.
 #[derive(Clone, Debug)]
@@ -128,8 +128,9 @@ fn sine_taper(samples: usize, order: usize) -> Vec<f64> {
     (1..=samples).map(|m| (2.0 / width).sqrt() * (phase * m as f64).sin()).collect()
 }
 
-/// 2 N²/Σ |⟨w_a, w_b⟩|² over the tapers of all segments; segments two apart have nothing in common.
-fn freedom(windows: &[Vec<f64>], hop: usize, segments: usize) -> f64 {
+/// 2 N²/Σ |⟨w_a, w_b⟩|² over the tapers of all segments, which have the length one; segments two apart have
+/// nothing in common.
+pub(crate) fn freedom(windows: &[Vec<f64>], hop: usize, segments: usize) -> f64 {
     let (count, mut common) = (segments as f64, 0.0);
     for a in windows {
         for b in windows {
@@ -141,20 +142,20 @@ fn freedom(windows: &[Vec<f64>], hop: usize, segments: usize) -> f64 {
 }
 
 /// Transforms of one length.
-struct Transform {
+pub(crate) struct Transform {
     plan: fourier::Forward,
     input: Vec<f64>,
     scratch: Vec<c64>,
 }
 
 impl Transform {
-    fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         let plan = fourier::forward(n);
         Self { input: plan.make_input_vec(), scratch: plan.make_scratch_vec(), plan }
     }
 
     /// Of the samples less their mean.
-    fn of(&mut self, samples: &[f64], window: Option<&Vec<f64>>) -> Vec<c64> {
+    pub fn of(&mut self, samples: &[f64], window: Option<&Vec<f64>>) -> Vec<c64> {
         let middle = mean(samples);
         for (m, (input, x)) in self.input.iter_mut().zip(samples).enumerate() {
             *input = (x - middle) * window.map_or(1.0, |window| window[m]);

@@ -7,6 +7,7 @@ use fourier::Complex;
 
 use crate::Error;
 use crate::bins::bins;
+use crate::cross_spectrum::LEAST_SAMPLES;
 use crate::stats::mean;
 
 mod component;
@@ -15,8 +16,6 @@ mod lines;
 
 pub use lines::Line;
 
-/// Fewer samples than these have no spectrum worth the name.
-const LEAST_SAMPLES: usize = 8;
 /// Shorter series are fast to transform whatever their length.
 const SHORT: usize = 1 << 16;
 /// The length of a series is a product of primes up to this one when its transform is to be fast.

@@ -1,9 +1,10 @@
 //! Noise of independent sources, from the spectral matrices of series that mix them.
 
-use faer::{Mat, Side, c64};
+use faer::{Mat, c64};
 
 use crate::Error;
-use crate::scoring::{Likelihood, Optimum, inverse, minimise, upper};
+use crate::positive::cholesky;
+use crate::scoring::{Likelihood, Optimum, fall_without, inverse, minimise, upper};
 use crate::stats::chi_squared_p;
 use crate::whittle::Estimate;
 
@@ -88,7 +89,8 @@ pub fn fit(mixture: &Mixture<'_>) -> Result<Sources, Error> {
     let mut theta = full.theta.clone();
     let mut tied = model.tied.clone();
     for exponent in exponents {
-        if gain(&model, &full, exponent - 1, &[exponent])? < FLICKER {
+        let held: Vec<usize> = model.tied.iter().copied().chain([exponent]).collect();
+        if fall_without(&model, &full, exponent - 1, &held)? < FLICKER {
             theta[exponent] = HELD;
             tied.push(exponent);
         }
@@ -96,14 +98,6 @@ pub fn fit(mixture: &Mixture<'_>) -> Result<Sources, Error> {
     model.tied = tied;
     let found = minimise(&model, theta, &model.tied)?;
     report(mixture, &model, &found)
-}
-
-/// Twice the fall in log likelihood without the part `unknown`, `held` held too.
-fn gain(model: &Model<'_>, found: &Optimum, unknown: usize, held: &[usize]) -> Result<f64, Error> {
-    let mut without = found.theta.clone();
-    without[unknown] = 0.0;
-    let held: Vec<usize> = model.tied.iter().chain(held).copied().chain([unknown]).collect();
-    Ok(2.0 * (minimise(model, without, &held)?.cost - found.cost))
 }
 
 fn report(mixture: &Mixture<'_>, model: &Model<'_>, found: &Optimum) -> Result<Sources, Error> {
@@ -126,7 +120,7 @@ fn report(mixture: &Mixture<'_>, model: &Model<'_>, found: &Optimum) -> Result<S
         } else {
             Estimate::below(factor * upper(model, found, a, &model.tied)?)
         };
-        let seen = gain(model, found, white, &[])? > WHITE;
+        let seen = fall_without(model, found, white, &model.tied)? > WHITE;
         let variance = if seen {
             Estimate { value: theta[white], std: std(white) }
         } else {
@@ -154,15 +148,12 @@ fn goodness(mixture: &Mixture<'_>, model: &Model<'_>, theta: &[f64]) -> Result<f
     let mut group = nothing();
     for (bin, matrix) in spectra.matrices.iter().enumerate() {
         let density = model.density(theta, bin);
-        let factor = density.as_ref().llt(Side::Lower).map_err(|error| Error::Decomposition {
-            rows: size,
-            columns: size,
-            reason: format!("{error:?}"),
-        })?;
-        let root = factor.L().to_owned();
-        let root = Mat::from_fn(size, size, |i, j| c64::new(root[(i, j)], 0.0));
-        let half = solve_lower(&root, matrix);
-        let whole = solve_lower(&root, &half.adjoint().to_owned());
+        let factor = cholesky(density.as_ref())?;
+        let root = Mat::from_fn(size, size, |i, j| c64::new(factor.L()[(i, j)], 0.0));
+        let mut half = matrix.clone();
+        root.solve_lower_triangular_in_place(half.as_mut());
+        let mut whole = half.adjoint().to_owned();
+        root.solve_lower_triangular_in_place(whole.as_mut());
         let count = 0.5 * spectra.freedom[bin];
         group.0 += Mat::from_fn(size, size, |i, j| whole[(i, j)] * count);
         group.1 += count;
@@ -176,16 +167,4 @@ fn goodness(mixture: &Mixture<'_>, model: &Model<'_>, theta: &[f64]) -> Result<f
         }
     }
     Ok(if freedom > 0.0 { chi_squared_p(sum, freedom) } else { 1.0 })
-}
-
-/// L⁻¹ B.
-fn solve_lower(lower: &Mat<c64>, right: &Mat<c64>) -> Mat<c64> {
-    let mut out = right.clone();
-    for column in 0..right.ncols() {
-        for i in 0..lower.nrows() {
-            let known: c64 = (0..i).map(|k| lower[(i, k)] * out[(k, column)]).sum();
-            out[(i, column)] = (out[(i, column)] - known) / lower[(i, i)];
-        }
-    }
-    out
 }

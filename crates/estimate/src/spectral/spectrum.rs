@@ -1,10 +1,7 @@
 //! Power spectral density of an evenly sampled series, by Welch's method.
 
 use crate::Error;
-use crate::stats::{self, mean};
-
-/// Fewer samples than these have no spectrum worth the name.
-const LEAST_SAMPLES: usize = 8;
+use crate::cross_spectrum::{LEAST_SAMPLES, Transform, freedom};
 
 /// One-sided power spectral density by Welch's method.
 ///
@@ -55,29 +52,17 @@ pub fn welch(samples: &[f64], step_s: f64, segment_samples: usize) -> Result<Spe
     let common = n / 2;
     let hop = n - common;
     let window = hann(n);
-    let squares = window.iter().map(|w| w * w).sum::<f64>();
-
-    let transform = fourier::forward(n);
-    let mut input = transform.make_input_vec();
-    let mut output = transform.make_output_vec();
-    let mut scratch = transform.make_scratch_vec();
-    let mut density = vec![0.0; output.len()];
+    let mut transform = Transform::new(n);
+    let mut density = vec![0.0; n / 2 + 1];
     let mut segments = 0;
     for segment in samples.windows(n).step_by(hop) {
-        let mean = mean(segment);
-        for ((input, x), w) in input.iter_mut().zip(segment).zip(&window) {
-            *input = (x - mean) * w;
-        }
-        transform
-            .process_with_scratch(&mut input, &mut output, &mut scratch)
-            .expect("buffers of the plan's lengths");
-        for (density, value) in density.iter_mut().zip(&output) {
+        for (density, value) in density.iter_mut().zip(transform.of(segment, Some(&window))) {
             *density += value.norm_sqr();
         }
         segments += 1;
     }
 
-    let scale = step_s / (squares * segments as f64);
+    let scale = step_s / segments as f64;
     for (k, density) in density.iter_mut().enumerate() {
         let alone = k == 0 || 2 * k == n;
         *density *= if alone { scale } else { 2.0 * scale };
@@ -89,20 +74,11 @@ pub fn welch(samples: &[f64], step_s: f64, segment_samples: usize) -> Result<Spe
         segments,
         segment_samples: n,
         overlap: common as f64 / n as f64,
-        freedom: freedom(&window, hop, segments),
+        freedom: freedom(&[window], hop, segments),
     })
 }
 
 impl Spectrum {
-    /// The factors by which a density P̂ is to be multiplied for the band that holds the true one with
-    /// `probability`, half of the rest on either side: ν/χ²((1 + p)/2; ν) and ν/χ²((1 − p)/2; ν), χ²(q; ν)
-    /// the quantile of χ².
-    ///
-    /// For the frequencies to which [`Spectrum::freedom`] applies. NaN if `probability` is not in 0 … 1.
-    pub fn interval(&self, probability: f64) -> (f64, f64) {
-        stats::variance_interval(self.freedom, probability)
-    }
-
     /// The integral ∫ P df over the band `low_hz` … `high_hz` (square of the samples' unit).
     ///
     /// The density is a straight line between two frequencies, also at the ends of the band. The zero
@@ -130,23 +106,10 @@ impl Spectrum {
     }
 }
 
-/// The periodic Hann window ½ − ½ cos(2π m/n), m = 0 … n − 1.
+/// The periodic Hann window ½ − ½ cos(2π m/n), m = 0 … n − 1, over the root of the sum of its squares, 3n/8.
 fn hann(n: usize) -> Vec<f64> {
-    (0..n).map(|m| (std::f64::consts::PI * m as f64 / n as f64).sin().powi(2)).collect()
-}
-
-/// Equivalent degrees of freedom of `segments` windows that start `hop` samples apart.
-fn freedom(window: &[f64], hop: usize, segments: usize) -> f64 {
-    let squares = window.iter().map(|w| w * w).sum::<f64>();
-    let count = segments as f64;
-    let apart = (1..segments).take_while(|j| j * hop < window.len());
-    let correlation: f64 = apart
-        .map(|j| {
-            let product: f64 = window.iter().zip(&window[j * hop..]).map(|(a, b)| a * b).sum();
-            (1.0 - j as f64 / count) * (product / squares).powi(2)
-        })
-        .sum();
-    2.0 * count / (1.0 + 2.0 * correlation)
+    let root = (0.375 * n as f64).sqrt();
+    (0..n).map(|m| (std::f64::consts::PI * m as f64 / n as f64).sin().powi(2) / root).collect()
 }
 
 #[cfg(test)]
@@ -157,10 +120,11 @@ mod tests {
     fn half_overlapped_hann_segments() {
         // Σ w² = 3n/8 and Σ w_m w_(m + n/2) = n/16, so ρ = 1/36: one pair of segments less than K.
         for n in [8, 64, 1000] {
-            let window = hann(n);
-            assert!((freedom(&window, n / 2, 1) - 2.0).abs() < 1e-15);
-            assert!((freedom(&window, n / 2, 2) - 4.0 / (1.0 + 1.0 / 36.0)).abs() < 1e-12);
-            assert!((freedom(&window, n / 2, 19) - 38.0 / (1.0 + 2.0 * 18.0 / 19.0 / 36.0)).abs() < 1e-11);
+            for (segments, expected) in
+                [(1, 2.0), (2, 4.0 / (1.0 + 1.0 / 36.0)), (19, 38.0 / (1.0 + 2.0 * 18.0 / 19.0 / 36.0))]
+            {
+                assert!((freedom(&[hann(n)], n / 2, segments) - expected).abs() < 1e-11);
+            }
         }
     }
 

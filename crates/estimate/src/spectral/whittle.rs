@@ -3,8 +3,8 @@
 use crate::Error;
 use crate::periodogram::Periodogram;
 use crate::scoring::{Likelihood, Optimum};
+use crate::stats::chi_squared_p;
 
-mod choice;
 mod estimate;
 mod goodness;
 mod likelihood;
@@ -18,7 +18,6 @@ pub(crate) use likelihood::{EXPONENTS, LONGEST};
 pub use report::WhittleFit;
 pub use white::White;
 
-use choice::Choice;
 use likelihood::{Data, Model};
 use report::report;
 
@@ -26,6 +25,8 @@ use report::report;
 /// probability of 1 % in three series together and of 0.5 % in one, by simulation: without flicker there is
 /// no exponent, so that the gain has neither of the distributions χ²(1) and χ²(2).
 const FLICKER: f64 = 7.7;
+/// A restriction of the white noise is dropped below this probability.
+const RESTRICTED: f64 = 0.01;
 
 /// Fits A, α and the white noise to the periodograms of one channel by maximum likelihood on the ordinates I,
 ///
@@ -59,14 +60,13 @@ pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
     let starts = [(0, &by_reading), (1, &by_density)];
     let starts = starts.map(|(number, found)| models[2].spread(&models[number], &found.theta));
     let found = [by_reading, by_density, models[2].best(&starts)?];
-    let choice = Choice::of(found.each_ref().map(|found| found.cost), data.series());
-    let gain = flicker_gain(&models[choice.number], &found[choice.number]);
-    if gain > FLICKER {
-        return report(&models[choice.number], &found[choice.number], gain, &choice);
+    let chosen = least_restricted(&found, series.len());
+    if shows_flicker(&models[chosen], &found[chosen]) {
+        return report(&models[chosen], &found[chosen]);
     }
     let found = models.each_ref().map(without_flicker);
-    let choice = Choice::of(found.each_ref().map(|found| found.cost), data.series());
-    report(&models[choice.number], &found[choice.number], gain, &choice)
+    let chosen = least_restricted(&found, series.len());
+    report(&models[chosen], &found[chosen])
 }
 
 /// The same with the form of the white noise as told.
@@ -78,9 +78,16 @@ pub fn fit_with(series: &[Periodogram], white: White) -> Result<WhittleFit, Erro
     let data = Data::of(series)?;
     let model = Model::new(&data, white);
     let found = model.best(&[])?;
-    let gain = flicker_gain(&model, &found);
-    let found = if gain > FLICKER { found } else { without_flicker(&model) };
-    report(&model, &found, gain, &Choice { number: 0, per_reading_p: None, density_p: None })
+    let found = if shows_flicker(&model, &found) { found } else { without_flicker(&model) };
+    report(&model, &found)
+}
+
+/// The first of the forms, by reading, by density, each, that the likelihood ratio against the last allows.
+fn least_restricted([reading, density, each]: &[Optimum; 3], series: usize) -> usize {
+    let allows = |form: &Optimum| {
+        chi_squared_p(2.0 * (form.cost - each.cost).max(0.0), series as f64 - 1.0) > RESTRICTED
+    };
+    [reading, density].into_iter().position(allows).unwrap_or(2)
 }
 
 fn without_flicker(model: &Model) -> Optimum {
@@ -88,6 +95,6 @@ fn without_flicker(model: &Model) -> Optimum {
     Optimum { cost: model.cost(&theta), theta }
 }
 
-fn flicker_gain(model: &Model, found: &Optimum) -> f64 {
-    2.0 * (without_flicker(model).cost - found.cost).max(0.0)
+fn shows_flicker(model: &Model, found: &Optimum) -> bool {
+    2.0 * (without_flicker(model).cost - found.cost) > FLICKER
 }

@@ -5,7 +5,7 @@ use estimate::cosine::{Cosine, Errors, Projection, regress, weighted};
 use estimate::periodogram::{Bin, Periodogram};
 use estimate::spectral;
 use estimate::whittle::{self, Estimate, WhittleFit};
-use serde_json::Value;
+use testkit::reference::{list, number, reference};
 
 /// A fit of A, α and white noise with these values.
 fn noise(exponent: f64, white: f64) -> WhittleFit {
@@ -27,14 +27,11 @@ fn noise(exponent: f64, white: f64) -> WhittleFit {
 
 #[test]
 fn variances_of_slow_columns() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/diffmag_drift.json");
-    let text = std::fs::read_to_string(path).expect("the reference");
-    let reference: Value = serde_json::from_str(&text).expect("JSON");
-    let number = |value: &Value| value.as_f64().expect("a number");
-    let rows = reference["slow"]["rows"].as_u64().expect("rows") as usize;
+    let reference = &reference("diffmag_drift")["slow"];
+    let rows = number(&reference["rows"]) as usize;
     let cosine = Cosine::new(rows, 1.0);
     let (mut line, mut exponential) = (Vec::new(), Vec::new());
-    for case in reference["slow"]["cases"].as_array().expect("cases") {
+    for case in list(&reference["cases"]) {
         let noise = noise(number(&case["exponent"]), number(&case["white"]));
         let errors = Errors::of(&noise, &cosine).expect("errors");
         let time = |row: usize| row as f64 / rows as f64;

@@ -1,12 +1,12 @@
 //! Spectral matrices against SciPy's csd, and their degrees of freedom against the scatter of white noise.
 
-use crate::sequence;
-
 use estimate::Error;
 use estimate::cross_spectrum::CrossSpectra;
-use sequence::Sequence;
+use noise::Stream;
 use serde_json::Value;
 use testkit::reference::{list, number, numbers, reference};
+
+use crate::made::white;
 
 /// The largest difference, as a share of the roots of both densities.
 fn compare(found: &CrossSpectra, expected: &Value) -> f64 {
@@ -60,12 +60,12 @@ fn matrices_of_scipy() {
 
 #[test]
 fn white_noise_scatters_as_its_freedom_says() {
-    let (step_s, std, mut sequence) = (0.5, 0.3, Sequence(5));
+    let (step_s, std, mut stream) = (0.5, 0.3, Stream::new(5, "cross spectrum"));
     let truth = 2.0 * std * std * step_s;
     for (samples, tapers) in [(128, 1), (128, 4), (400, 6)] {
         let (mut sum, mut squares, mut count, mut freedom) = (0.0, 0.0, 0.0, 0.0);
         for _ in 0..600 {
-            let series = sequence.white(400, std);
+            let series = white(&mut stream, 400, std);
             let found = CrossSpectra::of(&[&series], step_s, samples, tapers).expect("spectra");
             freedom = found.freedom[0];
             let far = found.frequency_hz.len() - tapers - 2;

@@ -2,19 +2,15 @@
 
 use estimate::haar::{power_law_variances, sum_covariance};
 use noise::Stream;
-use serde_json::Value;
+use testkit::reference::{list, number, reference};
 
 #[test]
 fn scipy_has_the_same() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/haar_scipy.json");
-    let text = std::fs::read_to_string(path).expect("the reference");
-    let reference: Value = serde_json::from_str(&text).expect("JSON");
     let mut worst: f64 = 0.0;
-    for case in reference["cases"].as_array().expect("cases") {
-        let number = |key: &str| case[key].as_f64().expect("a number");
-        let level = number("level") as usize;
-        let found = power_law_variances(number("exponent"), level + 1)[level];
-        worst = worst.max((found / number("variance") - 1.0).abs());
+    for case in list(&reference("haar_scipy")["cases"]) {
+        let level = number(&case["level"]) as usize;
+        let found = power_law_variances(number(&case["exponent"]), level + 1)[level];
+        worst = worst.max((found / number(&case["variance"]) - 1.0).abs());
     }
     println!("worst relative difference: {worst:.1e}");
     assert!(worst < 1e-7, "{worst}");

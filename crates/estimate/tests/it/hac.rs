@@ -2,18 +2,12 @@
 
 use estimate::{hac, linear};
 use faer::Mat;
-use serde_json::Value;
+use testkit::reference::{list, number, numbers, reference};
 
 #[test]
 fn as_statsmodels_has_them() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/hac_statsmodels.json");
-    let text = std::fs::read_to_string(path).expect("the reference");
-    let reference: Value = serde_json::from_str(&text).expect("JSON");
-    let numbers = |value: &Value| -> Vec<f64> {
-        value.as_array().expect("a list").iter().map(|v| v.as_f64().expect("a number")).collect()
-    };
     let mut worst: f64 = 0.0;
-    for case in reference["cases"].as_array().expect("cases") {
+    for case in list(&reference("hac_statsmodels")["cases"]) {
         let y = numbers(&case["y"]);
         let time = |row: usize| row as f64 * 7.0 / 365.25;
         let middle = time(y.len() - 1) / 2.0;
@@ -23,9 +17,9 @@ fn as_statsmodels_has_them() {
         });
         let fit = linear::fit(design.as_ref(), &y, None).expect("a fit");
         let columns: Vec<&[f64]> = (0..4).map(|j| design.col_as_slice(j)).collect();
-        let lags = case["lags"].as_u64().expect("lags") as usize;
+        let lags = number(&case["lags"]) as usize;
         let covariance = hac::newey_west(&columns, &fit.residuals, fit.covariance.as_ref(), lags);
-        for (i, row) in case["covariance"].as_array().expect("rows").iter().enumerate() {
+        for (i, row) in list(&case["covariance"]).iter().enumerate() {
             for (j, expected) in numbers(row).into_iter().enumerate() {
                 let scale = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
                 worst = worst.max((covariance[(i, j)] - expected).abs() / scale);

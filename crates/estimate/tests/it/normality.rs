@@ -1,14 +1,13 @@
 //! The tests of normality and of runs against SciPy and statsmodels, and how often they reject what is true.
 
-use crate::sequence;
-
 use estimate::normality::{anderson_darling, runs};
-use sequence::Sequence;
-use serde_json::Value;
-use testkit::reference::{list, number, reference};
+use noise::Stream;
+use testkit::reference::{list, number, numbers, reference};
 
-fn values(set: &Value) -> Vec<f64> {
-    list(&set["values"]).iter().map(number).collect()
+use crate::made::white;
+
+fn normal(seed: u64, count: usize, std: f64) -> Vec<f64> {
+    white(&mut Stream::new(seed, "normality"), count, std)
 }
 
 /// Signs as values: `+` is 1, `-` is −1, `0` is 0.
@@ -22,7 +21,7 @@ fn signs(text: &str) -> Vec<f64> {
 fn statistic_and_probability_of_scipy() {
     let (mut worst, mut worst_p) = (0.0_f64, 0.0_f64);
     for set in list(&reference("normality_scipy")["sets"]) {
-        let values = values(set);
+        let values = numbers(&set["values"]);
         let (found, p) = anderson_darling(&values).unwrap_or_else(|| panic!("{}", set["name"]));
         let n = values.len() as f64;
         let expected = number(&set["a_squared"]) * (1.0 + 0.75 / n + 2.25 / (n * n));
@@ -50,7 +49,7 @@ fn runs_of_statsmodels() {
     let mut worst_z = 0.0_f64;
     for set in list(&reference("normality_scipy")["sets"]) {
         let expected = &set["runs"];
-        let found = runs(&values(set));
+        let found = runs(&numbers(&set["values"]));
         if expected.is_null() {
             assert_eq!(found, None, "{}", set["name"]);
             continue;
@@ -74,11 +73,11 @@ fn runs_of_statsmodels() {
 
 #[test]
 fn normal_samples_are_rejected_as_often_as_said() {
-    let mut sequence = Sequence(9);
+    let mut stream = Stream::new(9, "normality");
     let trials = 2000;
     let (mut forms, mut orders) = ([0; 3], 0);
     for _ in 0..trials {
-        let sample = sequence.white(101, 0.3);
+        let sample = white(&mut stream, 101, 0.3);
         let (_, p) = anderson_darling(&sample).expect("a test");
         for (count, level) in forms.iter_mut().zip([0.05, 0.01, 0.5]) {
             *count += usize::from(p < level);
@@ -100,7 +99,7 @@ fn normal_samples_are_rejected_as_often_as_said() {
 
 #[test]
 fn no_form_without_values_or_scatter() {
-    let sample = Sequence(10).white(8, 1.0);
+    let sample = normal(10, 8, 1.0);
     assert!(anderson_darling(&sample).is_some());
     assert_eq!(anderson_darling(&sample[..7]), None);
     assert_eq!(anderson_darling(&[]), None);
@@ -115,7 +114,7 @@ fn no_form_without_values_or_scatter() {
 
 #[test]
 fn unit_offset_and_order_do_not_change_the_form() {
-    let sample = Sequence(11).white(60, 1.0);
+    let sample = normal(11, 60, 1.0);
     let (expected, _) = anderson_darling(&sample).expect("a test");
     let mut mirrored: Vec<f64> = sample.iter().map(|x| -8.0 * x + 4096.0).collect();
     mirrored.reverse();
@@ -152,7 +151,7 @@ fn no_runs_of_one_sign() {
 #[test]
 fn neighbours_alike_have_few_runs() {
     let drift: Vec<f64> =
-        Sequence(12).white(101, 0.1).iter().zip(-50..).map(|(x, i)| x + 0.02 * f64::from(i)).collect();
+        normal(12, 101, 0.1).iter().zip(-50..).map(|(x, i)| x + 0.02 * f64::from(i)).collect();
     let (z, p) = runs(&drift).expect("a test");
     assert!(z < -5.0 && p < 1e-6, "{z}, {p}");
     let turned: Vec<f64> = (0..101).map(|i| if i % 2 == 0 { 1.0 } else { -0.5 }).collect();

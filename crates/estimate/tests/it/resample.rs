@@ -3,14 +3,14 @@
 
 use estimate::resample::{PASSBAND, pchip, resample};
 use std::f64::consts::PI;
-use testkit::reference::{numbers, reference};
+use testkit::reference::{list, number, numbers, reference};
 
 #[test]
 fn as_scipy_has_it() {
     let mut worst = 0.0_f64;
-    for case in reference("resample_scipy")["ratios"].as_array().expect("cases") {
+    for case in list(&reference("resample_scipy")["ratios"]) {
         let (samples, expected) = (numbers(&case["samples"]), numbers(&case["resampled"]));
-        let [up, down] = ["up", "down"].map(|key| case[key].as_f64().expect("a number"));
+        let [up, down] = ["up", "down"].map(|key| number(&case[key]));
         let stretch = (down / up).max(1.0);
         let places: Vec<f64> = (0..expected.len()).map(|k| k as f64 * down / up).collect();
         let found = resample(std::slice::from_ref(&samples), &places, stretch);
@@ -27,8 +27,7 @@ fn as_scipy_has_it() {
 #[test]
 fn ripple_and_attenuation() {
     let design = &reference("resample_scipy")["design"];
-    let [ripple, stop] =
-        ["passband_ripple", "stopband_gain"].map(|key| design[key].as_f64().expect("a number"));
+    let [ripple, stop] = ["passband_ripple", "stopband_gain"].map(|key| number(&design[key]));
     assert!(ripple < 2e-4 && stop < 1e-4, "{ripple:.1e}, {stop:.1e}");
     // A sine through the resampling itself: four input samples to one output, 0.3 of an output step beside
     // its grid.

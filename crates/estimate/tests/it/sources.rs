@@ -1,13 +1,13 @@
 //! Noise of three instruments from two differences as SciPy finds it, and as it was made.
 
-use crate::sequence;
-
 use estimate::cross_spectrum::CrossSpectra;
 use estimate::sources::{KnownNoise, Mixture, Sources, fit};
 use estimate::whittle::Estimate;
-use sequence::Sequence;
+use noise::Stream;
 use serde_json::Value;
 use testkit::reference::{numbers, reference};
+
+use crate::made::white;
 
 const COLUMNS: [[f64; 2]; 3] = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
 
@@ -75,11 +75,11 @@ fn noises_of_scipy() {
 /// has less than none, and an instrument that shares its noise with another shows in the goodness.
 #[test]
 fn white_noises_and_what_is_not_independent() {
-    let mut sequence = Sequence(11);
+    let mut stream = Stream::new(11, "sources");
     let rows = 4096;
     let levels = [1.0, 0.02, 2.0];
-    let noises = levels.map(|level| sequence.white(rows, level));
-    let common = sequence.white(rows, 1.5);
+    let noises = levels.map(|level| white(&mut stream, rows, level));
+    let common = white(&mut stream, rows, 1.5);
     let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
     let (second, third) = (minus(&noises[1], &noises[0]), minus(&noises[2], &noises[0]));
     let fitted = |series: [&[f64]; 2]| {

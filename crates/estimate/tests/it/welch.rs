@@ -1,15 +1,16 @@
 //! Welch's spectrum against SciPy, against the variance it has to add up to, and its interval against the
 //! truth.
 
-use crate::sequence;
-
 use estimate::Error;
 use estimate::spectrum::{Spectrum, welch};
-use sequence::Sequence;
+use estimate::stats::variance_interval;
+use noise::Stream;
 use testkit::reference::{list, number, numbers, reference};
 
-fn flat(frequency_hz: Vec<f64>, density: Vec<f64>, freedom: f64) -> Spectrum {
-    Spectrum { frequency_hz, density, segments: 1, segment_samples: 8, overlap: 0.5, freedom }
+use crate::made::white;
+
+fn made(seed: u64, count: usize, std: f64) -> Vec<f64> {
+    white(&mut Stream::new(seed, "welch"), count, std)
 }
 
 #[test]
@@ -55,7 +56,7 @@ fn factors_of_scipy() {
     // The quantiles ν/factor are known to about 1e-9 each, whatever their size.
     for expected in list(&reference("welch_scipy")["intervals"]) {
         let freedom = number(&expected["freedom"]);
-        let (low, high) = flat(vec![], vec![], freedom).interval(number(&expected["probability"]));
+        let (low, high) = variance_interval(freedom, number(&expected["probability"]));
         for (found, key) in [(low, "low"), (high, "high")] {
             let quantile = freedom / number(&expected[key]);
             let off = (freedom / found - quantile).abs();
@@ -67,19 +68,21 @@ fn factors_of_scipy() {
 
 #[test]
 fn ends_of_the_probability() {
-    let spectrum = flat(vec![], vec![], 20.0);
-    assert_eq!(spectrum.interval(1.0), (0.0, f64::INFINITY));
-    let (low, high) = spectrum.interval(0.0);
+    assert_eq!(variance_interval(20.0, 1.0), (0.0, f64::INFINITY));
+    let (low, high) = variance_interval(20.0, 0.0);
     assert!((low - high).abs() < 1e-9 && low > 1.0, "the median of χ² is below its mean: {low}, {high}");
-    for probability in [-0.1, 1.1, f64::NAN] {
-        let (low, high) = spectrum.interval(probability);
+    // So many degrees of freedom that χ² is as good as normal: 1 ∓ 1.959964 √(2/ν).
+    let ((low, high), half) = (variance_interval(5.7e6, 0.95), 1.959_964 / 2.85e6_f64.sqrt());
+    assert!((low - (1.0 - half)).abs() < 2e-6 && (high - (1.0 + half)).abs() < 2e-6, "{low}, {high}");
+    for (freedom, probability) in [(20.0, -0.1), (20.0, 1.1), (20.0, f64::NAN), (f64::NAN, 0.95)] {
+        let (low, high) = variance_interval(freedom, probability);
         assert!(low.is_nan() && high.is_nan());
     }
 }
 
 #[test]
 fn too_few_samples_are_refused() {
-    let samples = Sequence(1).white(20, 1.0);
+    let samples = made(1, 20, 1.0);
     for (samples, segment) in [(&samples[..7], 7), (&samples[..7], 100), (&samples[..], 7), (&samples[..], 0)]
     {
         let found = samples.len().min(segment);
@@ -92,64 +95,15 @@ fn too_few_samples_are_refused() {
 }
 
 #[test]
-fn sum_of_the_densities_is_the_windowed_variance() {
-    let step_s = 0.04;
-    let samples: Vec<f64> =
-        Sequence(2).white(2000, 3.0).iter().enumerate().map(|(i, x)| x + 40.0 + 0.01 * i as f64).collect();
-    for n in [8, 200, 333, 2000] {
-        let spectrum = welch(&samples, step_s, n).expect("a spectrum");
-        let window: Vec<f64> =
-            (0..n).map(|m| 0.5 - 0.5 * (std::f64::consts::TAU * m as f64 / n as f64).cos()).collect();
-        let squares: f64 = window.iter().map(|w| w * w).sum();
-        let hop = n - n / 2;
-        let variances: Vec<f64> = (0..)
-            .map(|segment| segment * hop)
-            .take_while(|start| start + n <= samples.len())
-            .map(|start| {
-                let part = &samples[start..start + n];
-                let mean = part.iter().sum::<f64>() / n as f64;
-                part.iter().zip(&window).map(|(x, w)| (w * (x - mean)).powi(2)).sum::<f64>() / squares
-            })
-            .collect();
-        assert_eq!(variances.len(), spectrum.segments);
-        let variance = variances.iter().sum::<f64>() / variances.len() as f64;
-        let sum = spectrum.density.iter().sum::<f64>() / (n as f64 * step_s);
-        assert!((sum / variance - 1.0).abs() < 1e-12, "{n}: {sum}, {variance}");
-    }
-}
-
-#[test]
-fn white_noise_has_its_density() {
-    let (count, step_s, std) = (65_536, 0.02, 1.7);
-    let truth = 2.0 * std * std * step_s;
-    let samples = Sequence(3).white(count, std);
-    for n in [255, 256, 1024] {
-        let spectrum = welch(&samples, step_s, n).expect("a spectrum");
-        let middle = &spectrum.density[2..n / 2 - 1];
-        let ratio = middle.iter().sum::<f64>() / middle.len() as f64 / truth;
-        // Neighbouring estimates have (2/3)² and (1/6)² of their variance in common.
-        let together = middle.len() as f64 / (1.0 + 2.0 * (4.0 / 9.0 + 1.0 / 36.0));
-        let averaged = Spectrum { freedom: spectrum.freedom * together, ..spectrum.clone() };
-        let (low, high) = averaged.interval(0.999);
-        println!("{n}: {ratio:.5}, 1 in [{:.5}, {:.5}]", ratio * low, ratio * high);
-        assert!((ratio * low..ratio * high).contains(&1.0), "{n}: {ratio}, {low}, {high}");
-
-        let (low, high) = spectrum.interval(0.999);
-        let outside = middle.iter().filter(|p| !(*p * low..*p * high).contains(&truth)).count();
-        assert!(outside <= 4, "{n}: {outside} of {} estimates", middle.len());
-    }
-}
-
-#[test]
 fn the_interval_covers_the_truth() {
     // Bins four apart share next to nothing: 400 series of nine bins, the share known to 0.004.
-    let (step_s, std, mut sequence) = (0.5, 0.3, Sequence(4));
+    let (step_s, std, mut stream) = (0.5, 0.3, Stream::new(4, "welch"));
     let truth = 2.0 * std * std * step_s;
     for (count, n) in [(1024, 128), (1000, 101), (300, 200), (96, 96)] {
         let (mut inside, mut all) = (0, 0);
         for _ in 0..400 {
-            let spectrum = welch(&sequence.white(count, std), step_s, n).expect("a spectrum");
-            let (low, high) = spectrum.interval(0.95);
+            let spectrum = welch(&white(&mut stream, count, std), step_s, n).expect("a spectrum");
+            let (low, high) = variance_interval(spectrum.freedom, 0.95);
             for p in spectrum.density[4..n / 2 - 3].iter().step_by(4).take(9) {
                 inside += usize::from((p * low..p * high).contains(&truth));
                 all += 1;
@@ -164,11 +118,19 @@ fn the_interval_covers_the_truth() {
 #[test]
 fn power_of_a_band() {
     let close = |a: f64, b: f64| (a - b).abs() < 1e-13;
+    let of = |frequency_hz: Vec<f64>, density: Vec<f64>| Spectrum {
+        frequency_hz,
+        density,
+        segments: 1,
+        segment_samples: 8,
+        overlap: 0.5,
+        freedom: 10.0,
+    };
     let frequency: Vec<f64> = (0..=50).map(|k| f64::from(k) * 0.01).collect();
     // At zero a density that must not be seen.
     let mut density = vec![3.0; 51];
     density[0] = 1e6;
-    let level = flat(frequency.clone(), density, 10.0);
+    let level = of(frequency.clone(), density);
     assert!(close(level.power(0.013, 0.377), 3.0 * 0.364));
     assert!(close(level.power(0.2, 0.3), 0.3), "the ends on frequencies");
     assert!(close(level.power(0.212, 0.217), 0.015), "between two frequencies");
@@ -179,10 +141,10 @@ fn power_of_a_band() {
         assert_eq!(level.power(low, high), 0.0, "{low} … {high}");
     }
     assert!(level.power(f64::NAN, 0.3).is_nan() && level.power(0.3, f64::NAN).is_nan());
-    assert_eq!(flat(vec![], vec![], 10.0).power(0.0, 1.0), 0.0);
+    assert_eq!(of(vec![], vec![]).power(0.0, 1.0), 0.0);
 
     // A straight line P = 2 f has the integral f².
-    let line = flat(frequency.clone(), frequency.iter().map(|f| 2.0 * f).collect(), 10.0);
+    let line = of(frequency.clone(), frequency.iter().map(|f| 2.0 * f).collect());
     assert!(close(line.power(0.1234, 0.4321), 0.4321_f64.powi(2) - 0.1234_f64.powi(2)));
     assert!(close(line.power(0.1, 0.2345) + line.power(0.2345, 0.4), line.power(0.1, 0.4)), "bands add up");
 }

@@ -42,8 +42,6 @@ pub fn linearised<P: Problem>(problem: &P, state: &P::State) -> (Vec<f64>, Mat<f
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// Most steps.
-    pub max_iterations: usize,
     /// A point from which the step moves the predictions by less than this many standard deviations (root of
     /// the sum of squares over all rows) is the minimum.
     pub tolerance: f64,
@@ -53,7 +51,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { max_iterations: 60, tolerance: 1e-7, rank_tolerance: 1e-9 }
+        Self { tolerance: 1e-7, rank_tolerance: 1e-9 }
     }
 }
 
@@ -83,10 +81,10 @@ impl<S> Fit<S> {
 
 /// Relative rounding of a sum of squares: residuals are differences of readings many times their size.
 const ROUNDING: Tolerance = Tolerance { absolute: 1e-7, relative: 1e-7 };
-/// From one step near a minimum to the next, the part that is left at most.
-const SHRINKING: f64 = 0.1;
 /// The damping that follows on none.
 const FROM: f64 = 1e-4;
+/// Most steps.
+const MOST: usize = 60;
 
 /// Minimises the sum of squares from `start`. Where the problem is short of rank, each step is the
 /// minimum-norm one and the fit says so in its rank; it is for the caller to refuse.
@@ -108,7 +106,7 @@ pub fn solve<P: Problem>(
     }
     let dense = Dense { problem, weights, rank_tolerance: options.rank_tolerance };
     let control = Control {
-        most: options.max_iterations,
+        most: MOST,
         tolerance: options.tolerance,
         damping: Damping::none(FROM),
         raise: ROUNDING,
@@ -123,41 +121,6 @@ pub fn solve<P: Problem>(
     }
     let At { state, residual, jacobian, cost } = at;
     Ok(Fit { state, residual, jacobian, svd: linear.of, cost, steps })
-}
-
-/// Minimises the sum of squares from the minimum of a problem that is nearly the same: its decomposition
-/// serves for all steps, with the gradient of each point itself, so that they lead to the minimum of this
-/// problem. The fit has the decomposition of the other. Where such steps do not settle, [`solve`] begins
-/// there.
-///
-/// # Errors
-///
-/// As [`solve`].
-pub fn solve_near<P: Problem>(
-    problem: &P,
-    near: &Fit<P::State>,
-    options: &Options,
-) -> Result<Fit<P::State>, Error> {
-    let dense = Dense { problem, weights: None, rank_tolerance: options.rank_tolerance };
-    let mut at = dense.at(near.state.clone());
-    let mut steps = Vec::new();
-    let mut last = f64::INFINITY;
-    loop {
-        let gradient: Vec<f64> = (0..problem.unknowns())
-            .map(|j| at.jacobian.col_as_slice(j).iter().zip(&at.residual).map(|(a, r)| a * r).sum())
-            .collect();
-        let (step, shift) = near.svd.step(&gradient);
-        if shift <= options.tolerance {
-            let At { state, residual, jacobian, cost } = at;
-            return Ok(Fit { state, residual, jacobian, svd: near.svd.clone(), cost, steps });
-        }
-        if shift.is_nan() || shift > SHRINKING * last {
-            return solve(problem, near.state.clone(), None, options);
-        }
-        last = shift;
-        steps.push(Step { cost: at.cost, step, rank: near.svd.rank() });
-        at = dense.at(problem.advance(&at.state, &steps[steps.len() - 1].step));
-    }
 }
 
 /// A problem with the weights of its readings.

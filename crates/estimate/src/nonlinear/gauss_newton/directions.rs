@@ -1,8 +1,9 @@
 //! Steps of any damping, from one decomposition.
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::descent::Linear;
+use crate::positive::eigen;
 use crate::{Error, Svd};
 
 /// Of products: directions of scaled columns with less than this share of their squared length are rounding.
@@ -54,19 +55,15 @@ impl Directions<Mat<f64>> {
         let scaled = Mat::from_fn(matrix.nrows(), count, |i, j| matrix[(i, j)] / lengths[j]);
         let right = scaled.transpose() * Mat::from_fn(residual.len(), 1, |i, _| residual[i]);
         let products = scaled.transpose() * &scaled;
-        let eigen = products.self_adjoint_eigen(Side::Lower).map_err(|error| Error::Decomposition {
-            rows: count,
-            columns: count,
-            reason: format!("{error:?}"),
-        })?;
-        let shown: Vec<usize> = (0..count).filter(|k| eigen.S().column_vector()[*k] > ROUNDING).collect();
-        let directions = Mat::from_fn(count, shown.len(), |j, k| eigen.U()[(j, shown[k])]);
+        let (values, vectors) = eigen(products.as_ref())?;
+        let shown: Vec<usize> = (0..count).filter(|k| values[*k] > ROUNDING).collect();
+        let directions = Mat::from_fn(count, shown.len(), |j, k| vectors[(j, shown[k])]);
         let along = directions.transpose() * right;
         Ok(Self {
             of: matrix,
             lengths,
             directions,
-            squares: shown.iter().map(|k| eigen.S().column_vector()[*k]).collect(),
+            squares: shown.iter().map(|k| values[*k]).collect(),
             along: (0..shown.len()).map(|k| along[(k, 0)]).collect(),
         })
     }

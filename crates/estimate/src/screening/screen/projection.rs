@@ -1,9 +1,10 @@
 //! Columns projected out of others, and what a group explains of what is left.
 
-use faer::{Col, Mat, MatRef, Side};
+use faer::{Col, Mat, MatRef};
 
 use super::products::Products;
 use crate::Error;
+use crate::positive::eigen;
 
 /// Directions of scaled columns with less than this share of their squared length are rounding.
 const ROUNDING: f64 = 1e-10;
@@ -209,6 +210,10 @@ impl Part {
             let product = lengths[i] * lengths[j];
             if product > 0.0 { screen.product(group[i], group[j]) / product } else { 0.0 }
         });
+        if !scaled.is_all_finite() {
+            let reason = "products that are not finite".into();
+            return Err(Error::Decomposition { rows: group.len(), columns: group.len(), reason });
+        }
         let (values, vectors) = eigen(scaled.as_ref())?;
         let kept: Vec<usize> = (0..values.len()).filter(|&k| values[k] > ROUNDING).collect();
         let directions = Mat::from_fn(group.len(), kept.len(), |i, k| {
@@ -225,21 +230,6 @@ impl Part {
     pub fn rank(&self) -> usize {
         self.directions.ncols()
     }
-}
-
-/// Eigenvalues and eigenvectors of a symmetric matrix.
-pub(super) fn eigen(matrix: MatRef<'_, f64>) -> Result<(Vec<f64>, Mat<f64>), Error> {
-    let n = matrix.nrows();
-    let failed = |reason: String| Error::Decomposition { rows: n, columns: n, reason };
-    if n == 0 {
-        return Ok((Vec::new(), Mat::zeros(0, 0)));
-    }
-    if (0..n).any(|i| (0..n).any(|j| !matrix[(i, j)].is_finite())) {
-        return Err(failed("products that are not finite".into()));
-    }
-    let found = matrix.self_adjoint_eigen(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
-    let values = (0..n).map(|k| found.S().column_vector()[k]).collect();
-    Ok((values, found.U().to_owned()))
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
-use faer::{Mat, Side};
+use faer::Mat;
 
 use super::memory;
 use super::transform::Cosine;
 use crate::Error;
 use crate::linear::dot;
+use crate::positive::cholesky;
 use crate::whittle::WhittleFit;
 
 /// Coefficients whose covariance is exact; the others are independent.
@@ -52,12 +53,7 @@ impl Errors {
         });
         let nominal = variance[..exact].to_vec();
         (0..exact).for_each(|k| variance[k] = low[(k, k)]);
-        let factor = low.as_ref().llt(Side::Lower).map_err(|error| Error::Decomposition {
-            rows: exact,
-            columns: exact,
-            reason: format!("{error:?}"),
-        })?;
-        Ok(Self { factor: factor.L().to_owned(), low, nominal, variance })
+        Ok(Self { factor: cholesky(low.as_ref())?.L().to_owned(), low, nominal, variance })
     }
 
     /// The same with the variances times `factor` at each frequency (Hz), correlations as they were.
@@ -88,11 +84,6 @@ impl Errors {
             whitened[i] = (x[i] - known) / self.factor[(i, i)];
         }
         whitened
-    }
-
-    /// The variance xᵀ C x of a linear estimate with these weights.
-    pub fn variance_of(&self, x: &[f64]) -> f64 {
-        self.covariance_of(x, x)
     }
 
     /// The covariance xᵀ C y of two linear estimates with these weights.

@@ -50,18 +50,16 @@ pub fn covariance(exponent: f64, count: usize) -> Mat<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use testkit::reference::{list, number, reference};
 
     #[test]
     fn as_integrated_over_frequency() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/cosine_memory.json");
-        let text = std::fs::read_to_string(path).expect("the reference");
-        let reference: serde_json::Value = serde_json::from_str(&text).expect("JSON");
         let mut worst = [0.0_f64; 2];
-        for case in reference["cases"].as_array().expect("cases") {
-            let found = covariance(case["exponent"].as_f64().expect("an exponent"), 64);
-            for entry in case["covariance"].as_array().expect("a list") {
-                let [k, l] = [0, 1].map(|i| entry[i].as_u64().expect("a number") as usize);
-                let difference = (found[(k - 1, l - 1)] - entry[2].as_f64().expect("a value")).abs();
+        for case in list(&reference("cosine_memory")["cases"]) {
+            let found = covariance(number(&case["exponent"]), 64);
+            for entry in list(&case["covariance"]) {
+                let [k, l] = [0, 1].map(|i| number(&entry[i]) as usize);
+                let difference = (found[(k - 1, l - 1)] - number(&entry[2])).abs();
                 let high = &mut worst[usize::from(k > 10)];
                 *high = high.max(difference);
             }

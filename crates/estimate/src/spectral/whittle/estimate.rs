@@ -30,14 +30,14 @@ impl Estimate {
         }
     }
 
-    /// The interval that holds the true value with `probability`: v ± z u.
-    pub fn interval(&self, probability: f64) -> (f64, f64) {
-        let half = coverage_factor(probability, f64::INFINITY) * self.std;
-        (self.value - half, self.value + half)
+    /// The one-sided 95 % bound where none was seen.
+    pub fn bound(&self) -> Option<f64> {
+        (self.value == 0.0).then_some(ONE_SIDED_95 * self.std)
     }
 
-    /// The same on a logarithmic scale, v e^(± z u/v): for an amplitude, an rms or a density, whose logarithm
-    /// is nearer to normal. For a value of 0 from 0 to the one-sided bound.
+    /// The interval that holds the true value with `probability` on a logarithmic scale, v e^(± z u/v): for an
+    /// amplitude, an rms or a density, whose logarithm is nearer to normal than they are. For a value of 0
+    /// from 0 to the one-sided bound.
     pub fn log_interval(&self, probability: f64) -> (f64, f64) {
         if self.value <= 0.0 {
             return (0.0, coverage_factor(2.0 * probability - 1.0, f64::INFINITY) * self.std);

@@ -2,13 +2,12 @@
 
 use faer::Mat;
 
-use super::choice::Choice;
 use super::estimate::Estimate;
 use super::goodness::{Group, groups, p_value};
 use super::likelihood::{EXPONENTS, Model};
 use super::white::White;
 use crate::Error;
-use crate::scoring::{Likelihood, Optimum, inverse, minimise, upper};
+use crate::scoring::{Likelihood, Optimum, fall_without, inverse, minimise, upper};
 
 /// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not
 /// being negative.
@@ -20,21 +19,15 @@ pub struct WhittleFit {
     /// A, the density of the flicker noise at 1 Hz (unit²/Hz). Its value is 0 where flicker is not
     /// significant (1 %); then α is held at 1, and the uncertainty is that of a one-sided bound.
     pub amplitude: Estimate,
-    /// One-sided 95 % bound of A where its value is 0.
-    pub amplitude_upper: Option<f64>,
     /// α. Uncertainty 0 where it is held.
     pub exponent: Estimate,
     /// Whether α was stopped by its limits, 0.2 and 2.5: the model is not that of the noise.
     pub exponent_at_limit: bool,
-    /// Twice the gain in log likelihood that flicker brings. Significant above 7.7.
-    pub flicker_gain: f64,
     /// What is the same in the white noise of all series.
     pub white: White,
     /// σ, rms of the white part of a reading of each series (unit). The value is 0 where white noise is not
     /// significant (1 %).
     pub white_rms: Vec<Estimate>,
-    /// One-sided 95 % bound of each σ whose value is 0.
-    pub white_upper: Vec<Option<f64>>,
     /// The white variances of greatest likelihood, significant or not: σ² (unit²) or the density N
     /// (unit²/Hz), one for all series or one each. The densities and variances of the model are made of
     /// these.
@@ -44,11 +37,6 @@ pub struct WhittleFit {
     pub covariance: Mat<f64>,
     /// −Σ count (ln P + I/P).
     pub log_likelihood: f64,
-    /// Probability of a likelihood ratio as great if the rms of a reading is the same in all series; None
-    /// where there was nothing to choose.
-    pub per_reading_p: Option<f64>,
-    /// The same for the density.
-    pub density_p: Option<f64>,
     /// Groups of at least 30 ordinates against the model; a shorter series is one group.
     pub groups: Vec<Group>,
     /// Probability that ordinates of the model are as far from it as these, by the sum of squares over the
@@ -82,13 +70,6 @@ impl WhittleFit {
     /// Variance ∫ A f^-α df of the flicker noise in a band (unit²). NaN unless 0 < low ≤ high.
     pub fn flicker_variance(&self, low_hz: f64, high_hz: f64) -> Estimate {
         self.sum(power_law(self.exponent.value, low_hz, high_hz), None)
-    }
-
-    /// Variance of readings `step_s` apart in a band, ∫ (A f^-α + 2 σ² Δt) df (unit²), with the white noise
-    /// of `series` as in [`WhittleFit::density`]. NaN unless 0 < low ≤ high.
-    pub fn band_variance(&self, series: usize, step_s: f64, low_hz: f64, high_hz: f64) -> Estimate {
-        let white = self.white.density(step_s) * (high_hz - low_hz);
-        self.sum(power_law(self.exponent.value, low_hz, high_hz), Some((series, white)))
     }
 
     /// A times the first of `flicker` and the white variance of a series times what stands beside it.
@@ -131,12 +112,7 @@ fn power_law(exponent: f64, low_hz: f64, high_hz: f64) -> [f64; 2] {
 }
 
 /// What a maximum says.
-pub(super) fn report(
-    model: &Model,
-    found: &Optimum,
-    flicker_gain: f64,
-    choice: &Choice,
-) -> Result<WhittleFit, Error> {
+pub(super) fn report(model: &Model, found: &Optimum) -> Result<WhittleFit, Error> {
     let (data, theta) = (model.data, &found.theta);
     let flicker = theta[0] > 0.0;
     let kept: Vec<usize> = (if flicker { 0 } else { 2 }..theta.len()).collect();
@@ -152,66 +128,44 @@ pub(super) fn report(
     for i in 0..theta.len() {
         covariance[(i, 0)] += data.lowest * covariance[(i, 1)];
     }
-    let (amplitude, amplitude_upper) = if flicker {
+    let amplitude = if flicker {
         let value = theta[0] * (theta[1] * data.lowest).exp();
-        (Estimate { value, std: value * covariance[(0, 0)].sqrt() }, None)
+        Estimate { value, std: value * covariance[(0, 0)].sqrt() }
     } else {
-        let bound = flicker_bound(model, theta)?;
-        (Estimate::below(bound), Some(bound))
+        // Of an exponent of one.
+        let best = minimise(model, theta.clone(), &[1])?;
+        Estimate::below(upper(model, &best, 0, &[1])? * data.lowest.exp())
     };
     let white_variances: Vec<f64> = theta[2..].to_vec();
     let mut whites = Vec::new();
     for (group, variance) in white_variances.iter().enumerate() {
-        let gain = if flicker { white_gain(model, found, group)? } else { f64::INFINITY };
+        let gain = if flicker { fall_without(model, found, 2 + group, &[])? } else { f64::INFINITY };
         whites.push(if gain > WHITE {
-            let std = covariance[(2 + group, 2 + group)].sqrt();
-            (Estimate { value: *variance, std }, None)
+            Estimate { value: *variance, std: covariance[(2 + group, 2 + group)].sqrt() }
         } else {
-            let bound = upper(model, found, 2 + group, &[])?;
-            (Estimate::below(bound), Some(bound))
+            Estimate::below(upper(model, found, 2 + group, &[])?)
         });
     }
     let of_series = |series: usize| {
-        let (variance, bound) = whites[model.group(series)];
+        let variance = whites[model.group(series)];
         // From the unknown to the variance of a reading.
         let factor = model.shape(series) / (2.0 * data.step_s[series]);
-        let variance = Estimate { value: factor * variance.value, std: factor * variance.std };
-        (variance.root(), bound.map(|bound| (factor * bound).sqrt()))
+        Estimate { value: factor * variance.value, std: factor * variance.std }.root()
     };
-    let (white_rms, white_upper) = (0..data.series()).map(of_series).unzip();
     let groups = groups(model, theta);
     let unknowns = if flicker { theta.len() } else { theta.len() - 2 };
     Ok(WhittleFit {
         amplitude,
-        amplitude_upper,
         exponent: Estimate { value: theta[1], std: covariance[(1, 1)].sqrt() },
         exponent_at_limit: flicker && [EXPONENTS.0, EXPONENTS.1].contains(&theta[1]),
-        flicker_gain,
         white: model.white,
-        white_rms,
-        white_upper,
+        white_rms: (0..data.series()).map(of_series).collect(),
         white_variances,
         covariance,
         log_likelihood: -found.cost - data.saturated(),
-        per_reading_p: choice.per_reading_p,
-        density_p: choice.density_p,
         goodness: p_value(&groups, unknowns),
         groups,
     })
-}
-
-/// Twice the fall in log likelihood without the white noise of a group.
-fn white_gain(model: &Model, found: &Optimum, group: usize) -> Result<f64, Error> {
-    let unknown = 2 + group;
-    let mut without = found.theta.clone();
-    without[unknown] = 0.0;
-    Ok(2.0 * (minimise(model, without, &[unknown])?.cost - found.cost))
-}
-
-/// One-sided 95 % bound of A for an exponent of one, where there is no significant flicker.
-fn flicker_bound(model: &Model, white: &[f64]) -> Result<f64, Error> {
-    let best = minimise(model, white.to_vec(), &[1])?;
-    Ok(upper(model, &best, 0, &[1])? * model.data.lowest.exp())
 }
 
 #[cfg(test)]
