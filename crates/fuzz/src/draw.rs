@@ -38,7 +38,7 @@ impl Draw {
     /// One of the parts of a text between bars.
     pub fn part(&mut self, text: &'static str) -> &'static str {
         let parts: Vec<&str> = text.split('|').collect();
-        *self.of(&parts)
+        parts[self.below(parts.len())]
     }
 
     /// One of a list by weights.

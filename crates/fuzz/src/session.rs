@@ -183,7 +183,7 @@ impl Session {
             is_document = was_document;
             (program, read, last) = (commands::program(next), written, done);
         }
-        let finding = (!faults.is_empty()).then(|| Finding {
+        let finding = (!faults.is_empty()).then_some(Finding {
             seed: settings.seed,
             case: number,
             told: case.told,
