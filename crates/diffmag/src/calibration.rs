@@ -12,8 +12,7 @@ use joined::Pair;
 use paired::prepare::Prepared;
 use paired::residual::scatter;
 
-/// The matrix and the difference, as a document has them: of a pair as it was recorded, and less what columns
-/// explain.
+/// Of a pair as it was recorded, and less what columns explain.
 pub fn calibrate(
     (recorded, raw): (&Pair, &Pair),
     prepared: &Prepared,
@@ -77,32 +76,33 @@ pub fn calibrate(
     fit.findings.extend(words::unconfirmed(prepared.events.unconfirmed));
     fit.findings.extend(pair.told.iter().cloned());
     fit.findings.extend(pair.third.iter().map(|_| words::third()));
-    let order = Axis::ALL.iter().flat_map(|j| (0..3).map(move |i| format!("matrix[{i}][{}]", j.index())));
     Ok(DifferentialCalibration {
         matrix: Some(matrix),
         offset_nt: Some(offsets),
         covariance: Some(covariance),
-        covariance_order: Some(order.collect()),
+        covariance_order: Some(covariance_order()),
         fit: Some(Box::new(fit)),
         ..DifferentialCalibration::default()
     })
 }
 
+/// Places of the matrix in its covariance, column by column.
+pub fn covariance_order() -> Vec<String> {
+    (0..9).map(|at| format!("matrix[{}][{}]", at % 3, at / 3)).collect()
+}
+
 /// What was kept out, steps with their sizes under the fit.
 fn kept_out(raw: &Pair, prepared: &Prepared, fits: &[AxisFit; 3]) -> KeptOut {
     let sizes = step_sizes(&prepared.events, fits);
-    let events = prepared.events.found.iter().zip(sizes).map(|(event, size)| {
-        let size_nt = size.unwrap_or_else(|| Quantity::new(event.size, event.std));
-        KeptOutEvent {
-            kind: event.kind,
-            instrument: event.instrument,
-            axis: Axis::ALL[event.axis],
-            time_s: raw.time_s(event.from),
-            rows: [event.from, event.to],
-            size_nt,
-            z: event.z,
-            extra: common::Extra::new(),
-        }
+    let events = prepared.events.found.iter().zip(sizes).map(|(event, size)| KeptOutEvent {
+        kind: event.kind,
+        instrument: event.instrument,
+        axis: Axis::ALL[event.axis],
+        time_s: raw.time_s(event.from),
+        rows: [event.from, event.to],
+        size_nt: size.unwrap_or_else(|| Quantity::new(event.size, event.std)),
+        z: event.z,
+        extra: common::Extra::new(),
     });
     KeptOut {
         events: events.collect(),

@@ -22,7 +22,7 @@ const REFUTED: f64 = 3.0;
 pub fn confirmed(prepared: &Prepared, raw: &Pair, fits: &[AxisFit; 3]) -> Result<Option<Prepared>, Error> {
     let sizes = step_sizes(&prepared.events, fits);
     let stands = |(found, size): (&FoundEvent, Option<Quantity>)| {
-        size.is_none_or(|size| over(&size) >= CONFIRMED || apart(found.size, &size) < REFUTED)
+        size.is_none_or(|size| apart(0.0, &size) >= CONFIRMED || apart(found.size, &size) < REFUTED)
     };
     let mut kept: Vec<bool> = prepared.events.found.iter().zip(sizes).map(stands).collect();
     // With steps taken off no axis leaves more than it would without any fit.
@@ -34,27 +34,26 @@ pub fn confirmed(prepared: &Prepared, raw: &Pair, fits: &[AxisFit; 3]) -> Result
             own.for_each(|(kept, _)| *kept = false);
         }
     }
-    let of_rows = |found: &&FoundEvent| found.kind != EventKind::Step;
-    let disturbed: Vec<&FoundEvent> = prepared.events.found.iter().filter(of_rows).collect();
     if prepared.events.found.is_empty() {
         return Ok(None);
     }
+    let (steps, disturbed): (Vec<&FoundEvent>, Vec<&FoundEvent>) =
+        prepared.events.found.iter().partition(|event| event.kind == EventKind::Step);
     let pair =
         aligned(prepared.events.steps().taken_out(raw, prepared.shift), prepared.shift, Moved::Reference);
     let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
     disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
     let left: Vec<Vec<f64>> = fits.iter().enumerate().map(|(axis, fit)| fit.left(&pair, axis)).collect();
     let eta: Vec<[f64; 3]> = fits.iter().map(|fit| std::array::from_fn(|i| fit.fit.weighted[i])).collect();
-    let steps: Vec<&FoundEvent> =
-        prepared.events.found.iter().filter(|event| event.kind == EventKind::Step).collect();
-    let of_steps = kept.iter_mut().zip(&prepared.events.found).filter(|(_, event)| !of_rows(event));
     let lasting = events::lasting(&left, &eta, &out, &steps);
+    let of_steps = kept.iter_mut().zip(&prepared.events.found).filter(|(_, of)| of.kind == EventKind::Step);
     of_steps.zip(lasting).for_each(|((kept, _), lasts)| *kept &= lasts);
     if !disturbed.is_empty() {
         let noise: Vec<&Noise> = fits.iter().map(|fit| &fit.noise).collect();
         let off = events::off(&left, &out, pair.step_s, &noise, &disturbed)?;
-        let of_events = kept.iter_mut().zip(&prepared.events.found).filter(|(_, event)| of_rows(event));
-        of_events.zip(off).for_each(|((kept, _), off)| *kept = off);
+        let of_rows =
+            kept.iter_mut().zip(&prepared.events.found).filter(|(_, of)| of.kind != EventKind::Step);
+        of_rows.zip(off).for_each(|((kept, _), off)| *kept = off);
     }
     if !kept.contains(&false) {
         return Ok(None);
@@ -62,10 +61,6 @@ pub fn confirmed(prepared: &Prepared, raw: &Pair, fits: &[AxisFit; 3]) -> Result
     let correct_clock = prepared.clock.as_ref().is_some_and(|clock| clock.corrected);
     let events = prepared.events.confirmed(&kept);
     settled(raw, events, prepared.clock.clone(), prepared.shift, correct_clock).map(Some)
-}
-
-fn over(quantity: &Quantity) -> f64 {
-    apart(0.0, quantity)
 }
 
 /// How far a quantity is from a value, in its uncertainties.

@@ -9,7 +9,6 @@ use common::{
     DriftForm, EventInstrument, EventKind, Followed, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
     OneMatrix, PlainRegression,
 };
-use std::fmt::Write;
 
 use crate::reference_noise;
 use paired::events::CONFIRMED;
@@ -96,7 +95,6 @@ fn contribution(one: &Contribution) -> String {
     format!("{}; {lead}, {changes}{ask}", one.what)
 }
 
-/// How the clocks differ.
 pub fn clock(clock: &ClockDifference) -> String {
     let offset = format!("the test instrument's timestamps are {}", clock.offset_in_words());
     let rate = clock.rate_in_words();
@@ -163,14 +161,12 @@ pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
     names.into_iter().map(of).collect()
 }
 
-/// The steps that were fitted.
 pub fn steps(kept_out: &KeptOut) -> Option<String> {
     let steps = kept_out.events.iter().filter(|event| event.kind == EventKind::Step);
     let largest = largest(steps.clone())?;
     Some(format!("{}, {largest}", counted(steps.count(), "step")))
 }
 
-/// Spikes and disturbed intervals.
 pub fn disturbances(kept_out: &KeptOut) -> Option<String> {
     let of = |kind: EventKind| kept_out.events.iter().filter(move |event| event.kind == kind);
     let largest = largest(kept_out.events.iter().filter(|event| event.kind != EventKind::Step))?;
@@ -241,10 +237,23 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
         findings.extend(segments::findings(clock));
         findings.extend(delays::findings(clock));
         if clock.corrected {
-            findings.push(moved());
+            findings.push(
+                "the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band"
+                    .into(),
+            );
         }
     }
-    findings.extend(doubtful(&fit.kept_out));
+    if fit.kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
+        findings.push(
+            "some events cannot be assigned to one instrument: the axes are too nearly parallel".into(),
+        );
+    }
+    if fit.kept_out.more {
+        findings.push(
+            "there are more steps and spikes than the search allows: the noise is not of the fitted form"
+                .into(),
+        );
+    }
     if fit.missing > 0 {
         findings.push(format!(
             "{} missing or excluded; each is replaced by its most likely value under the fitted noise",
@@ -254,34 +263,10 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
     findings
 }
 
-fn doubtful(kept_out: &KeptOut) -> Vec<String> {
-    let mut findings = Vec::new();
-    if kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
-        findings.push(
-            "some events cannot be assigned to one instrument: the axes are too nearly parallel".into(),
-        );
-    }
-    if kept_out.more {
-        findings.push(
-            "there are more steps and spikes than the search allows: the noise is not of the fitted form"
-                .into(),
-        );
-    }
-    findings
-}
-
 /// Events that were found and are none.
 pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<String> {
-    let both = [
-        (steps, counted(steps, "step")),
-        (
-            others,
-            format!(
-                "{others} {}",
-                plural(others, "spike or disturbed interval", "spikes or disturbed intervals")
-            ),
-        ),
-    ];
+    let disturbed = plural(others, "spike or disturbed interval", "spikes or disturbed intervals");
+    let both = [(steps, counted(steps, "step")), (others, format!("{others} {disturbed}"))];
     let what: Vec<String> =
         both.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
     let what = what.join(" and ");
@@ -292,18 +277,11 @@ pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<String> {
     })
 }
 
-fn moved() -> String {
-    "the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band"
-        .into()
-}
-
-/// A third instrument.
 pub fn third() -> String {
     "the readings of the third instrument enter no regression of `fit`; they correct `matrix` for the attenuation by noise of the reference, and give the noise of each of the three in `three_cornered`"
         .into()
 }
 
-/// Which drift the readings demand.
 fn drift(of: &Drift) -> Option<String> {
     let straight = || format!("by {:+} nT a day ({})", of.straight_nt_per_day, p_value(of.straight_p));
     let exponential = || {
@@ -334,28 +312,26 @@ pub fn p_of_one(test: &OneMatrix) -> f64 {
 
 /// What was found, with ± and units.
 pub fn summary(document: &Document) -> String {
-    let mut text = String::new();
     let found = document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref());
-    let Some(fit) = found.and_then(|found| found.fit.as_ref()) else { return text };
-    // Writing to a String cannot fail.
+    let Some(fit) = found.and_then(|found| found.fit.as_ref()) else { return String::new() };
     let lead = if fit.answer.is_empty() { "diffmag:" } else { " " };
+    let mut lines = Vec::new();
     if !fit.answer.is_empty() {
-        let _ = writeln!(text, "diffmag: {}", fit.answer);
+        lines.push(format!("diffmag: {}", fit.answer));
     }
-    let _ = writeln!(
-        text,
+    lines.push(format!(
         "{lead} \"{}\", {} of {} s",
         fit.recordings.join("\", \""),
         counted(fit.samples, "sample"),
         bare(fit.step_s)
-    );
+    ));
     for axis in Axis::ALL {
         let row: Vec<String> = Axis::ALL
             .iter()
             .filter_map(|from| fit.elements.get(&format!("{from}{axis}")))
             .map(|element| signed(&uncertain(element.weighted, element.weighted_std)))
             .collect();
-        let _ = writeln!(text, "  test {axis} from the reference's x, y, z: {}", row.join(", "));
+        lines.push(format!("  test {axis} from the reference's x, y, z: {}", row.join(", ")));
     }
     for (axis, of) in fit.axes.iter() {
         let offset = found.and_then(|found| found.offset_nt.as_ref()?.get(axis));
@@ -363,58 +339,41 @@ pub fn summary(document: &Document) -> String {
         let per_day = day.as_ref().map_or(&of.drift.straight_nt_per_day, |day| &day.drift_nt);
         let per_month = month.as_ref().map(|month| format!(", {:+} nT a month", month.drift_nt));
         let density = &of.density_at_1hz_nt_per_sqrt_hz;
-        let _ = writeln!(
-            text,
+        lines.push(format!(
             "  test {axis}: offset {} nT, rms {} nT, {} pT/√Hz at 1 Hz, as 1/f^α with α = {}, drift {per_day:+} nT a day{}",
             offset.map_or("missing".into(), |offset| format!("{offset:+}")),
             significant(of.rms_nt, 3),
             uncertain(1e3 * density.value(), 1e3 * density.std().unwrap_or(0.0)),
             of.flicker_exponent,
             per_month.unwrap_or_default()
-        );
+        ));
     }
     if let Some(clock) = &fit.clock {
         let words =
             |clock: &ClockDifference| format!("{}, {}", clock.offset_in_words(), clock.rate_in_words());
-        let _ = writeln!(text, "  clock of the test instrument: {}", words(clock));
+        lines.push(format!("  clock of the test instrument: {}", words(clock)));
         if let (Some(offset), Some(rate)) = (&clock.left_offset_s, &clock.left_rate_ppm) {
             let (offset_s, rate_ppm) = (offset.clone(), rate.clone());
             let left = ClockDifference { offset_s, rate_ppm, ..ClockDifference::default() };
-            let _ = writeln!(text, "  corrected; left: {}", words(&left));
+            lines.push(format!("  corrected; left: {}", words(&left)));
         }
     }
     let of_reference = fit.reference_noise.as_ref();
-    for line in of_reference.map(reference_noise::lines).unwrap_or_default() {
-        let _ = writeln!(text, "  {line}");
-    }
-    if let Some(fourteen) = found.and_then(|found| found.fourteen.as_ref()) {
-        text += &mutual(fourteen);
-    }
+    lines.extend(of_reference.into_iter().flat_map(reference_noise::lines).map(|line| format!("  {line}")));
+    lines.extend(found.and_then(|found| found.fourteen.as_deref()).into_iter().flat_map(mutual));
     let of_reference = of_reference.map(|noise| noise.findings.as_slice()).unwrap_or_default();
     let moved = fit.stability.iter().flat_map(|stability| &stability.findings);
-    for finding in fit.findings.iter().chain(of_reference).chain(moved) {
-        let _ = writeln!(text, "    {finding}");
-    }
-    text
+    let findings = fit.findings.iter().chain(of_reference).chain(moved);
+    lines.extend(findings.map(|finding| format!("    {finding}")));
+    lines.into_iter().map(|line| line + "\n").collect()
 }
 
 /// How the instruments stand to each other.
-fn mutual(fourteen: &FourteenParameters) -> String {
-    let mut text = String::new();
-    // Writing to a String cannot fail.
-    let _ = match (fourteen.known, fourteen.assumed) {
-        (_, true) => {
-            writeln!(
-                text,
-                "  if the reference is orthogonal with equal scale factors (assumed; see `known`):"
-            )
-        }
-        (Magnetometer::Reference, false) => {
-            writeln!(text, "  with the known axes and scale factors of the reference:")
-        }
-        (Magnetometer::Test, false) => {
-            writeln!(text, "  with the known axes and scale factors of the test instrument:")
-        }
+fn mutual(fourteen: &FourteenParameters) -> [String; 4] {
+    let lead = match (fourteen.known, fourteen.assumed) {
+        (_, true) => "if the reference is orthogonal with equal scale factors (assumed; see `known`):",
+        (Magnetometer::Reference, false) => "with the known axes and scale factors of the reference:",
+        (Magnetometer::Test, false) => "with the known axes and scale factors of the test instrument:",
     };
     let angles: Vec<String> = fourteen
         .angles
@@ -425,19 +384,21 @@ fn mutual(fourteen: &FourteenParameters) -> String {
             format!("{name} {degrees}° ± {}″", figures(angle.std_arcsec, 2))
         })
         .collect();
-    let _ = writeln!(text, "    {}", angles.join(", "));
     let ratios: Vec<String> = fourteen
         .ratios
         .iter()
         .filter(|(_, ratio)| ratio.std() != Some(0.0))
         .map(|(name, ratio)| format!("{} {ratio}", name.replace('_', "/")))
         .collect();
-    let _ = writeln!(text, "    scale factors {}", ratios.join(", "));
-    let (whose, angles) = match fourteen.known {
+    let (whose, own) = match fourteen.known {
         Magnetometer::Reference => ("test instrument", &fourteen.test_non_orthogonality_arcsec),
         Magnetometer::Test => ("reference", &fourteen.reference_non_orthogonality_arcsec),
     };
-    let angles: Vec<String> = angles.iter().map(|(pair, angle)| format!("{pair} {angle:+}″")).collect();
-    let _ = writeln!(text, "    non-orthogonality of the {whose}: {}", angles.join(", "));
-    text
+    let own: Vec<String> = own.iter().map(|(pair, angle)| format!("{pair} {angle:+}″")).collect();
+    [
+        format!("  {lead}"),
+        format!("    {}", angles.join(", ")),
+        format!("    scale factors {}", ratios.join(", ")),
+        format!("    non-orthogonality of the {whose}: {}", own.join(", ")),
+    ]
 }

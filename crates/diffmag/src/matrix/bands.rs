@@ -51,8 +51,8 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
         .chain(fits.iter().map(|fit| fit.difference.as_slice()))
         .collect();
     let spectra = spectra(&channels, pair.step_s)?;
-    let mut bands = divide(&spectra);
-    let (mut columns, mut tests) = ([const { Vec::new() }; 3], Vec::new());
+    let bands = divide(&spectra);
+    let mut columns = [const { Vec::new() }; 3];
     for (j, column) in columns.iter_mut().enumerate() {
         for band in &bands {
             let density = |f: f64| noise.density(j, f);
@@ -65,7 +65,7 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
         }
     }
     let mut found = TransferBands::default();
-    for (number, band) in bands.drain(..).enumerate() {
+    for (number, band) in bands.into_iter().enumerate() {
         let of = &spectra[band.spectra].0.frequency_hz;
         let mut written = TransferBand {
             from_period_s: 1.0 / of[band.ordinates.end - 1],
@@ -84,9 +84,7 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
         (0..found.bands.len()).filter(|i| fits(&found.bands[*i])).collect()
     };
     let (all, short) = (chosen(f64::INFINITY), chosen(LONG_S));
-    for column in &columns {
-        tests.push(fit(column, &all, 0.0)?);
-    }
+    let tests = fit_each(&columns, &all, 0.0)?;
     for (axis, test) in Axis::ALL.into_iter().zip(&tests) {
         for (number, left) in all.iter().zip(&test.each) {
             if let Some(of) = found.bands[*number].axes.entry(axis) {
@@ -98,9 +96,7 @@ pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<Tran
     let (offset_s, clock) = clock(&columns, &all)?;
     found.clock = clock;
     let with_clock = |bands: &[usize]| -> Result<OneMatrix, Error> {
-        let tests =
-            columns.iter().map(|column| fit(column, bands, offset_s)).collect::<Result<Vec<_>, _>>()?;
-        Ok(together(&tests, 1.0, noise))
+        Ok(together(&fit_each(&columns, bands, offset_s)?, 1.0, noise))
     };
     found.one_matrix_with_clock = with_clock(&all)?;
     found.one_matrix_short_periods = (short.len() > 1).then(|| with_clock(&short)).transpose()?;
@@ -159,10 +155,17 @@ fn divide(spectra: &[(CrossSpectra, f64)]) -> Vec<Band> {
     bands
 }
 
-/// Fits one real η to the bands of one axis, an offset of the clock taken off.
-fn fit(column: &[Transfer], bands: &[usize], offset_s: f64) -> Result<constancy::Fitted, Error> {
-    let estimates: Vec<Estimate> = bands.iter().map(|i| column[*i].less(offset_s)).collect();
-    constancy::fit(&estimates, 3, |_| real())
+/// Fits one real η to the bands of each axis, an offset of the clock taken off.
+fn fit_each(
+    columns: &[Vec<Transfer>; 3],
+    bands: &[usize],
+    offset_s: f64,
+) -> Result<Vec<constancy::Fitted>, Error> {
+    let fit = |column: &Vec<Transfer>| {
+        let estimates: Vec<Estimate> = bands.iter().map(|i| column[*i].less(offset_s)).collect();
+        constancy::fit(&estimates, 3, |_| real())
+    };
+    columns.iter().map(fit).collect()
 }
 
 fn real() -> Mat<f64> {

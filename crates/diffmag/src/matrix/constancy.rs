@@ -9,9 +9,7 @@ use crate::Error;
 /// One estimate: η of three elements, or Z of six with the imaginary parts behind the real ones.
 #[derive(Clone)]
 pub struct Estimate {
-    /// The elements.
     pub value: Vec<f64>,
-    /// Their covariance.
     pub covariance: Mat<f64>,
     /// What they would be off if all of the difference were noise of the reference: errors in variables.
     pub bias: Vec<f64>,
@@ -21,9 +19,7 @@ pub struct Estimate {
 
 /// Unknowns fitted to all estimates together.
 pub struct Fitted {
-    /// The unknowns.
     pub unknowns: Vec<f64>,
-    /// Their covariance.
     pub covariance: Mat<f64>,
     /// Share κ of the difference that is noise of the reference, 0 to 1.
     pub share: f64,

@@ -3,7 +3,8 @@
 
 use common::{Angle, DifferentialCalibration, FourteenParameters, KnownInstrument, Magnetometer, Quantity};
 use indexmap::IndexMap;
-use nalgebra::{Matrix3, SMatrix, SVector};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use physics::frames;
 
 use crate::Error;
 use crate::fourteen::{self, EtaCovariance, Fourteen, KnownAxes, KnownFive, NAMES};
@@ -25,7 +26,7 @@ pub fn parameters(
     let (Some(matrix), Some(covariance)) = (&calibration.matrix, &calibration.covariance) else {
         return Ok(None);
     };
-    let eta = Matrix3::from_fn(|i, j| matrix[i][j]);
+    let eta = frames::matrix(matrix);
     let covariance = EtaCovariance::from_fn(|i, j| covariance[i][j]);
     let stated = known.cloned().unwrap_or_default();
     let five = five(&stated)?;
@@ -59,28 +60,19 @@ fn five(stated: &KnownInstrument) -> Result<KnownFive, Error> {
     let ratios = [ratio(&stated.ratio_x_y), ratio(&stated.ratio_z_y)];
     let [xy, yz, xz] = epsilon.map(|[value, _]| value);
     let mut jacobian = SMatrix::<f64, 5, 5>::identity();
-    let axes = match stated.instrument {
-        Magnetometer::Test => {
-            for (k, angle) in [xy, yz, xz].into_iter().enumerate() {
-                jacobian[(k, k)] = angle.cos();
-            }
-            KnownAxes::Test([xy, yz, xz].map(f64::sin))
-        }
+    let (axes, derivatives) = match stated.instrument {
+        Magnetometer::Test => (
+            KnownAxes::Test([xy, yz, xz].map(f64::sin)),
+            Matrix3::from_diagonal(&Vector3::new(xy.cos(), yz.cos(), xz.cos())),
+        ),
         Magnetometer::Reference => {
             let toward_x = (xz.sin() - xy.sin() * yz.sin()) / xy.cos();
-            let rows = [
-                [toward_x * xy.tan() - yz.sin(), -xy.tan() * yz.cos(), xz.cos() / xy.cos()],
-                [0.0, yz.cos(), 0.0],
-                [1.0, 0.0, 0.0],
-            ];
-            for (i, row) in rows.into_iter().enumerate() {
-                for (j, derivative) in row.into_iter().enumerate() {
-                    jacobian[(i, j)] = derivative;
-                }
-            }
-            KnownAxes::ReferenceTilts([toward_x, yz.sin(), xy])
+            let of_toward_x = [toward_x * xy.tan() - yz.sin(), -xy.tan() * yz.cos(), xz.cos() / xy.cos()];
+            let rows = [of_toward_x, [0.0, yz.cos(), 0.0], [1.0, 0.0, 0.0]];
+            (KnownAxes::ReferenceTilts([toward_x, yz.sin(), xy]), frames::matrix(&rows))
         }
     };
+    jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&derivatives);
     let variances: Vec<f64> = epsilon.iter().chain(&ratios).map(|[_, std]| std * std).collect();
     let given = SMatrix::<f64, 5, 5>::from_diagonal(&SVector::<f64, 5>::from_column_slice(&variances));
     Ok(KnownFive {
@@ -90,7 +82,6 @@ fn five(stated: &KnownInstrument) -> Result<KnownFive, Error> {
     })
 }
 
-/// What is written.
 fn told(found: &Fourteen, numerical: &[f64; 14], known: Magnetometer, assumed: bool) -> FourteenParameters {
     let uncertainties = found.uncertainties();
     let undetermined = |name: &str| found.undetermined.contains(&name);

@@ -39,7 +39,7 @@ pub fn add(
     }
     let cosine = Cosine::new(raw.whole.len(), raw.step_s);
     let whole = Design { drift: true, followed };
-    let final_rms = rms(&prepared.pair, &prepared.pair.whole, fit, whole)?;
+    let final_rms = rms(&prepared.pair, fit, whole)?;
     let mut all: Vec<Contribution> = clock(raw, prepared, fit, &cosine, whole)?.into_iter().collect();
     let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, taken_off, column: Option<String>| {
         all.extend(what.map(|what| Contribution {
@@ -54,44 +54,43 @@ pub fn add(
     };
     let drift = Design { drift: false, ..whole };
     if let Some(what) = words::drifts(fit) {
-        let with = rms(&prepared.pair, &prepared.pair.whole, fit, drift)?;
-        let demanded = |axis| fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
-        let with = chosen(&with, &final_rms, demanded);
+        let with = rms(&prepared.pair, fit, drift)?;
+        let of = |axis: Axis| {
+            let taken_off = if demanded(fit, axis) { &with } else { &final_rms };
+            Some((axis, *taken_off.get(axis)?))
+        };
+        let with = Axis::ALL.into_iter().filter_map(of).collect();
         beside(ContributionCause::Drift, Some(what), with, true, None);
     }
     for (name, what) in words::followed(fit) {
         let others: Vec<Follows> = followed.iter().filter(|one| one.name != name).cloned().collect();
         let own = followed.iter().filter(|one| one.name == name);
         let pair = own.fold(prepared.pair.clone(), |pair, one| one.added(&pair, 1.0));
-        let with = rms(&pair, &pair.whole, fit, Design { followed: &others, ..whole })?;
+        let with = rms(&pair, fit, Design { followed: &others, ..whole })?;
         beside(ContributionCause::Column, Some(what), with, true, Some(name));
     }
     if fit.kept_out.events.iter().any(|event| event.kind == EventKind::Step) {
-        let stepped = without(raw, prepared, |kind| kind != EventKind::Step);
-        let with = rms(&stepped, &stepped.whole, fit, whole)?;
+        let with = rms(&without(raw, prepared, |kind| kind != EventKind::Step), fit, whole)?;
         beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, true, None);
     }
     if fit.kept_out.events.iter().any(|event| event.kind != EventKind::Step) {
-        let disturbed = without(raw, prepared, |kind| kind == EventKind::Step);
-        let with = rms(&disturbed, &disturbed.whole, fit, whole)?;
+        let with = rms(&without(raw, prepared, |kind| kind == EventKind::Step), fit, whole)?;
         beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, true, None);
     }
     if let Some(what) = words::short_periods(fit) {
-        let mut long = PerAxis::default();
-        for axis in Axis::ALL {
+        let long = per_axis(|axis| {
             let highest = fit.axes.get(axis).and_then(|of| of.weighted_up_to_hz);
             let left = left(&prepared.pair, axis, &prepared.pair.whole, fit, whole)?;
             let squares = squares_below(&cosine, &left, highest.unwrap_or(f64::INFINITY));
-            *long.entry(axis) = Some((squares / prepared.pair.samples() as f64).sqrt());
-        }
-        let one = Contribution {
+            Ok((squares / prepared.pair.samples() as f64).sqrt())
+        })?;
+        all.push(Contribution {
             cause: ContributionCause::ShortPeriods,
             what,
             rms_with_nt: final_rms.clone(),
             rms_without_nt: long,
             ..Contribution::default()
-        };
-        all.push(one);
+        });
     }
     all.sort_by(|a, b| b.reduction_nt2().total_cmp(&a.reduction_nt2()));
     fit.contributions = all;
@@ -153,26 +152,23 @@ fn without(raw: &Pair, prepared: &Prepared, kinds: impl Fn(EventKind) -> bool) -
 #[derive(Clone, Copy)]
 struct Design<'a> {
     drift: bool,
-    /// The columns that are followed.
     followed: &'a [Follows],
 }
 
-impl Design<'_> {
-    /// Whether an axis has a straight drift: beside a column that it follows only where one is demanded.
-    fn days(&self, axis: Axis, fit: &DifferentialFit) -> bool {
-        let demanded = fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None);
-        self.drift && (demanded || self.followed.is_empty())
-    }
+/// Whether the readings demand a drift of an axis.
+fn demanded(fit: &DifferentialFit, axis: Axis) -> bool {
+    fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None)
 }
 
-fn rms(pair: &Pair, rows: &[bool], fit: &DifferentialFit, design: Design<'_>) -> Result<PerAxis<f64>, Error> {
-    let count = rows.iter().filter(|row| **row).count() as f64;
-    let mut all = PerAxis::default();
-    for axis in Axis::ALL {
-        let squares: f64 = left(pair, axis, rows, fit, design)?.iter().map(|d| d * d).sum();
-        *all.entry(axis) = Some((squares / count).sqrt());
-    }
-    Ok(all)
+fn rms(pair: &Pair, fit: &DifferentialFit, design: Design<'_>) -> Result<PerAxis<f64>, Error> {
+    per_axis(|axis| {
+        let squares: f64 = left(pair, axis, &pair.whole, fit, design)?.iter().map(|d| d * d).sum();
+        Ok((squares / pair.samples() as f64).sqrt())
+    })
+}
+
+fn per_axis<T>(of: impl Fn(Axis) -> Result<T, Error>) -> Result<PerAxis<T>, Error> {
+    Axis::ALL.into_iter().map(|axis| Ok((axis, of(axis)?))).collect()
 }
 
 /// What least squares leave of an axis in these rows, zero in the others. Normal equations of columns about
@@ -190,7 +186,8 @@ fn left(
     let steps = &pair.steps[axis.index()];
     let decay_s = fit.axes.get(axis).and_then(|of| decay_s(&of.drift)).filter(|_| design.drift);
     let followed = design.followed;
-    let days = design.days(axis, fit);
+    // Beside a column that it follows an axis has a straight drift only where one is demanded.
+    let days = design.drift && (demanded(fit, axis) || followed.is_empty());
     let width = 4
         + usize::from(days)
         + usize::from(decay_s.is_some())
@@ -243,10 +240,4 @@ fn decay_s(drift: &Drift) -> Option<f64> {
 fn squares_below(cosine: &Cosine, values: &[f64], highest_hz: f64) -> f64 {
     let below = |k: usize| cosine.frequency(k + 1) <= highest_hz;
     cosine.transform(values).iter().enumerate().take_while(|(k, _)| below(*k)).map(|(_, c)| c * c).sum()
-}
-
-/// Of each axis the one, or the other.
-fn chosen(one: &PerAxis<f64>, other: &PerAxis<f64>, first: impl Fn(Axis) -> bool) -> PerAxis<f64> {
-    let of = |axis: Axis| Some((axis, *if first(axis) { one } else { other }.get(axis)?));
-    Axis::ALL.into_iter().filter_map(of).collect()
 }

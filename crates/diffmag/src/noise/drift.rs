@@ -9,9 +9,9 @@ mod weighed;
 
 pub use columns::{Beside, Columns};
 pub use joint::{Joint, LEVEL, joint};
-pub use weighed::{Weighed, weighed};
+pub use weighed::weighed;
 
-use common::{Drift, DriftForm, Quantity, WindowMean};
+use common::{Drift, DriftExplanations, DriftForm, Quantity, WindowMean};
 use estimate::cosine::{Errors, Regression};
 use estimate::stats;
 use faer::MatRef;
@@ -60,14 +60,14 @@ pub fn describe(
     test: &[f64],
     regression: &Regression,
     noise: &Noise,
-    (joint, weighed): (Option<&Joint>, Option<&Weighed>),
+    (joint, weighed): (Option<&Joint>, Option<DriftExplanations>),
 ) -> Result<Drift, Error> {
     let demanded = joint.filter(|joint| joint.p < LEVEL);
     let freedom = noise.freedom(&columns.cosine, &regression.influence[3]);
     let (slope, std) = (regression.coefficients[3], regression.covariance[(3, 3)].sqrt());
     let own =
         (Quantity::new(slope, std * joint::widening(freedom)), stats::two_sided_p(slope / std, freedom));
-    let straight = weighed.and_then(|weighed| weighed.drift(slope));
+    let straight = weighed.as_ref().and_then(|weighed| weighed::named(weighed, slope));
     let form = match (straight.is_some(), demanded.is_some()) {
         (false, false) => DriftForm::None,
         (true, false) => DriftForm::Straight,
@@ -97,7 +97,7 @@ pub fn describe(
         straight_nt_per_day,
         straight_p,
         exponential_p: joint.map_or(1.0, |joint| joint.p),
-        explanations: weighed.map(Weighed::document),
+        explanations: weighed,
         joint: joint.map(Joint::document),
         iteration: demanded.map(|joint| iteration::iterate(columns, test, joint)).transpose()?,
         per_day: Some(over(1.0)),

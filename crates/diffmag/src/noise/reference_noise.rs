@@ -37,7 +37,6 @@ const ABOVE_ONE: f64 = 2.326;
 
 /// What is known of the reference's noise, and the matrix without it.
 pub struct ReferenceFindings {
-    /// For the document.
     pub report: ReferenceNoise,
     /// The noise of three instruments, where there are three.
     pub three: Option<ThreeCornered>,
@@ -157,7 +156,6 @@ pub fn adopt(
     Ok(())
 }
 
-/// The noise that the recording declares.
 fn declared(pair: &Pair, frame: &Frame) -> Option<KnownDensity> {
     let noise = pair.reference_noise.as_ref()?;
     let of = |axis: Axis| noise.of(axis).cloned().unwrap_or_default();
@@ -175,15 +173,13 @@ fn declared(pair: &Pair, frame: &Frame) -> Option<KnownDensity> {
 
 /// Share of the power of v that is the reference's.
 fn shares(frame: &Frame, known: &KnownDensity) -> PerAxis<Quantity> {
-    let mut all = PerAxis::default();
-    for axis in Axis::ALL {
+    let power = |density: &[f64]| density.iter().zip(&frame.spectra.freedom).map(|(p, n)| p * n).sum::<f64>();
+    let of = |axis: Axis| {
         let i = axis.index();
-        let power =
-            |density: &[f64]| density.iter().zip(&frame.spectra.freedom).map(|(p, n)| p * n).sum::<f64>();
         let share = power(&known.density[i]) / power(&frame.density[i]);
-        *all.entry(axis) = Some(Quantity::new(share, share * known.relative_std[i]));
-    }
-    all
+        (axis, Quantity::new(share, share * known.relative_std[i]))
+    };
+    Axis::ALL.into_iter().map(of).collect()
 }
 
 impl Corrected {
@@ -196,11 +192,8 @@ impl Corrected {
 
 /// What the spectra say, and whether it is used.
 fn evidence(spectrum: &Spectrum, usable: bool) -> InSpectrum {
-    let mut share = PerAxis::default();
-    for axis in Axis::ALL {
-        let (value, std) = spectrum.share[axis.index()];
-        *share.entry(axis) = Some(Quantity::new(value, std));
-    }
+    let share = spectrum.share.map(|(value, std)| Quantity::new(value, std));
+    let share = Axis::ALL.into_iter().zip(share).collect();
     let (p, consistency_p) = (spectrum.p(), spectrum.consistency_p());
     let possible = spectrum.share.iter().all(|(value, std)| value - ABOVE_ONE * std < 1.0);
     let used = usable && p < TOLD_BELOW && consistency_p > TOLD_BELOW && possible;

@@ -142,7 +142,7 @@ pub fn effective(tapers: usize, ordinates: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::Value;
+    use testkit::reference::{list, number, numbers, reference};
 
     #[test]
     fn freedom_of_means() {
@@ -168,20 +168,15 @@ mod tests {
 
     #[test]
     fn transfer_functions_of_scipy() {
-        let text = testkit::read_fixture("reference/diffmag_bands.json");
-        let fixture: Value = serde_json::from_str(&text).expect("the fixture is JSON");
-        let numbers = |value: &Value| -> Vec<f64> {
-            value.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect()
-        };
-        let series: Vec<Vec<f64>> =
-            fixture["series"].as_array().expect("series").iter().map(numbers).collect();
+        let fixture = reference("diffmag_bands");
+        let series: Vec<Vec<f64>> = list(&fixture["series"]).iter().map(numbers).collect();
         let channels: Vec<&[f64]> = series.iter().map(Vec::as_slice).collect();
-        let step_s = fixture["step_s"].as_f64().expect("a step");
-        for case in fixture["cases"].as_array().expect("cases") {
+        let step_s = number(&fixture["step_s"]);
+        for case in list(&fixture["cases"]) {
             let whole = |key: &str| case[key].as_u64().expect("a whole number") as usize;
             let spectra = CrossSpectra::of(&channels, step_s, whole("segment_samples"), whole("tapers"))
                 .expect("spectra");
-            for band in case["bands"].as_array().expect("bands") {
+            for band in list(&case["bands"]) {
                 let at = |key: &str| band[key].as_u64().expect("a whole number") as usize;
                 let found = transfer(
                     &spectra,
@@ -196,8 +191,8 @@ mod tests {
                 for (found, expected) in found.estimate.value.iter().zip(numbers(&band["z"])) {
                     assert!((found - expected).abs() < 1e-9, "{found} {expected}");
                 }
-                assert!((found.coherence - band["coherence"].as_f64().expect("a number")).abs() < 1e-9);
-                let residual = band["residual"].as_f64().expect("a number");
+                assert!((found.coherence - number(&band["coherence"])).abs() < 1e-9);
+                let residual = number(&band["residual"]);
                 assert!((found.residual / residual - 1.0).abs() < 1e-9);
             }
         }

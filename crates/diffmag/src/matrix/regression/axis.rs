@@ -28,15 +28,12 @@ pub struct AxisFit {
     /// exponential drift is demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, of the
     /// housekeeping columns that it follows, and of the steps (nT).
     pub fit: SpectralFit,
-    /// Noise of the difference.
     pub noise: Noise,
     /// T − R η − drift − steps less its mean, η as weighted, nT.
     pub difference: Vec<f64>,
     /// Mean of T − R η, nT.
     pub offset_nt: f64,
-    /// Its drift, as a document has it.
     pub drift: Drift,
-    /// The housekeeping columns that it follows.
     pub follows: Vec<Follows>,
     /// e^(−t/τ) and its derivative with respect to ln τ, where that drift is demanded.
     pub(super) drift_columns: Vec<Vec<f64>>,
@@ -81,7 +78,6 @@ impl AxisFit {
 
 /// The source's fit: least squares of the reference's axes alone.
 pub struct Source {
-    /// The coefficients with their covariances.
     pub fit: SpectralFit,
     /// Standard deviations of the coefficients by Newey and West.
     pub newey_west: Vec<f64>,
@@ -139,7 +135,7 @@ pub(super) fn one(
     let level = without(test, &every[before_own..], &sizes);
     let source = source(whole, &level, &plain_noise.errors(&whole.cosine)?)?;
     let weighed = drift::weighed(pair, test, &every[STRAIGHT..])?;
-    let mut found = drift::describe(columns, &level, regression, &noise, (joint.as_ref(), weighed.as_ref()))?;
+    let mut found = drift::describe(columns, &level, regression, &noise, (joint.as_ref(), weighed))?;
     let matrix = &regression.coefficients[..DAYS];
     found.windows = drift::window_means(
         &rest(&pair.reference, &level, matrix),

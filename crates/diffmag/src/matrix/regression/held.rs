@@ -36,7 +36,6 @@ pub fn determined(
 /// Where a column stands in a fit.
 #[derive(Clone, Copy)]
 pub enum Place {
-    /// There.
     Fitted(usize),
     /// Nowhere: nothing is to be added to what was taken off, with this standard uncertainty.
     Held(f64),

@@ -6,7 +6,6 @@ use paired::noise::Noise;
 
 /// Turns of the sine over which the integral is summed; beyond, sin² is a half.
 const TURNS: f64 = 30.0;
-/// Points of the sum.
 const POINTS: usize = 4000;
 
 /// The change of d over a span by the drift, `drift_nt` with its standard uncertainty and that one's degrees

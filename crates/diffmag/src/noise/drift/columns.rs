@@ -34,6 +34,7 @@ pub struct Beside<'a> {
 }
 
 /// The columns of a pair and their transforms; of exponentials over all time constants.
+#[derive(Clone)]
 pub struct Columns<'a> {
     pub cosine: Cosine,
     pub pair: &'a Pair,
@@ -94,14 +95,7 @@ impl<'a> Columns<'a> {
 
     /// The same with the lowest coefficients of every transform only: the band up to a frequency.
     pub fn up_to(&self, kept: usize) -> Self {
-        Self {
-            cosine: self.cosine.clone(),
-            pair: self.pair,
-            days: self.days.clone(),
-            kept,
-            base: self.base.clone(),
-            search: self.search.clone(),
-        }
+        Self { kept, ..self.clone() }
     }
 
     /// The coefficients of a series that are used.

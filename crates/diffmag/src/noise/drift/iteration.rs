@@ -7,9 +7,8 @@ use super::moments::Moments;
 use crate::Error;
 use estimate::dot;
 use estimate::line_search;
-use estimate::stats::mean;
+use paired::residual::centred;
 
-/// Most rounds.
 const MOST_ROUNDS: usize = 500;
 /// The drift stands when all rounds to come would move it by less than this share of the difference, each of
 /// them by as much less than the one before as the last two.
@@ -86,11 +85,6 @@ pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<Ite
         time_constant_s: shape.ln_tau.exp(),
         from_joint_std: std::array::from_fn(|i| (found[i] - values[i]) / covariance[(i, i)].sqrt()),
     })
-}
-
-fn centred(values: &[f64]) -> Vec<f64> {
-    let middle = mean(values);
-    values.iter().map(|value| value - middle).collect()
 }
 
 /// All that the iteration needs of the rows: products of the columns, each less its mean, and moments for

@@ -35,7 +35,7 @@ pub struct Joint {
     /// Probability of an exponential as great by chance, over all τ; the larger of the two in all of the band
     /// and in the part of it that confirms it.
     pub p: f64,
-    pub freedom: f64,
+    freedom: f64,
 }
 
 /// Least squares over η, b, a and τ, weighted by the noise of what they leave: variable projection, the
@@ -94,8 +94,7 @@ struct Best {
     ln_tau: f64,
     /// Its amplitude over the standard deviation, τ held.
     score: f64,
-    /// Length of the curve that the exponentials of all τ, less what the other columns explain and of unit
-    /// length, go through.
+    /// Length of the curve of the exponentials of all τ.
     length: f64,
 }
 
@@ -111,8 +110,7 @@ impl Best {
         let lowest = columns.search().next().map_or(0, |(_, transform)| transform.len());
         let cut: Vec<&[f64]> = all.iter().map(|column| &column[..lowest]).collect();
         let projection = Projection::of(&cut, &y[..lowest], errors)?;
-        let Curve { place, length, .. } =
-            Curve::of(&projection, errors, columns.search().map(|(_, column)| column));
+        let (place, length) = along(&projection, errors, columns.search().map(|(_, column)| column));
         let start = columns.search[place].0;
         let (ln_tau, gain) = refine(columns, errors, &Projection::of(&all, y, errors)?, start, accuracy);
         let [plain, slope] = columns.exponential(ln_tau).map(|column| columns.transform(&column));
@@ -121,39 +119,27 @@ impl Best {
     }
 }
 
-/// Where columns with one parameter explain most beside others.
-pub struct Curve {
-    /// Number of the best column.
-    pub place: usize,
-    /// Its coefficient over the standard deviation.
-    pub score: f64,
-    /// Length of the curve that the columns, less what the others explain of them and of unit length, go
-    /// through.
-    pub length: f64,
-}
-
-impl Curve {
-    /// Of columns in the order of the parameter.
-    pub fn of<'b>(
-        projection: &Projection,
-        errors: &Errors,
-        columns: impl Iterator<Item = &'b [f64]>,
-    ) -> Self {
-        let mut curve = Self { place: 0, score: 0.0, length: 0.0 };
-        let mut before: Option<Vec<f64>> = None;
-        for (place, column) in columns.enumerate() {
-            let Some(direction) = projection.direction(column, errors) else { continue };
-            let score = projection.score(&direction).abs();
-            if score > curve.score {
-                (curve.place, curve.score) = (place, score);
-            }
-            if let Some(before) = &before {
-                curve.length += dot(before, &direction).clamp(-1.0, 1.0).acos();
-            }
-            before = Some(direction);
+/// Of columns in the order of one parameter the place of the one that explains most, and the length of the
+/// curve that they go through, less what other columns explain of them and of unit length.
+fn along<'b>(
+    projection: &Projection,
+    errors: &Errors,
+    columns: impl Iterator<Item = &'b [f64]>,
+) -> (usize, f64) {
+    let (mut best, mut most, mut length) = (0, 0.0, 0.0);
+    let mut before: Option<Vec<f64>> = None;
+    for (place, column) in columns.enumerate() {
+        let Some(direction) = projection.direction(column, errors) else { continue };
+        let score = projection.score(&direction).abs();
+        if score > most {
+            (best, most) = (place, score);
         }
-        curve
+        if let Some(before) = &before {
+            length += dot(before, &direction).clamp(-1.0, 1.0).acos();
+        }
+        before = Some(direction);
     }
+    (best, length)
 }
 
 /// P(max |z| ≥ score) of noise alone along a curve of length L: P(|t_ν| ≥ z) + L/π (1 + z²/ν)^(−ν/2), an
@@ -163,7 +149,7 @@ impl Curve {
 /// Sources: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the alternative,
 /// Biometrika 74 (1987) 33–43; M. Knowles and D. Siegmund, On Hotelling's approach to testing for a nonlinear
 /// parameter in regression, Int. Stat. Rev. 57 (1989) 205–220.
-pub fn chance(score: f64, length: f64, freedom: f64) -> f64 {
+fn chance(score: f64, length: f64, freedom: f64) -> f64 {
     let crossings = length / PI * (-0.5 * freedom * (score * score / freedom).ln_1p()).exp();
     (stats::two_sided_p(score, freedom) + crossings).min(1.0)
 }
@@ -190,11 +176,6 @@ fn refine(
 }
 
 impl Joint {
-    /// The factor that makes ± 1.96 standard uncertainties Student's interval.
-    pub fn widening(&self) -> f64 {
-        widening(self.freedom)
-    }
-
     /// η, b, a and ln τ.
     pub fn values(&self) -> [f64; 6] {
         let found = &self.regression.coefficients;
@@ -205,7 +186,7 @@ impl Joint {
     /// is a δ ln τ.
     pub fn covariance(&self) -> Mat<f64> {
         let scale = |i: usize| if i == 5 { 1.0 / self.regression.coefficients[4] } else { 1.0 };
-        let widening = |i: usize| if i < 3 { 1.0 } else { self.widening() };
+        let widening = |i: usize| if i < 3 { 1.0 } else { widening(self.freedom) };
         Mat::from_fn(6, 6, |i, j| {
             scale(i) * scale(j) * widening(i) * widening(j) * self.regression.covariance[(i, j)]
         })
@@ -233,7 +214,7 @@ impl Joint {
     }
 }
 
-/// Student's 97.5 % point over the normal one.
+/// Student's 97.5 % point over the normal one: with it ± 1.96 standard uncertainties are Student's interval.
 pub fn widening(freedom: f64) -> f64 {
     stats::coverage_factor(0.95, freedom) / stats::coverage_factor(0.95, f64::INFINITY)
 }

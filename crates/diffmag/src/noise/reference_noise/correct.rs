@@ -1,9 +1,9 @@
 //! The three corrections.
 
 use estimate::stats;
-use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector4};
+use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
 
-use super::frame::{Blocks, Frame, inverse4, settle};
+use super::frame::{Frame, inverse4, settle};
 use crate::Error;
 use joined::Pair;
 
@@ -30,9 +30,7 @@ impl KnownDensity {
     }
 }
 
-/// A corrected matrix.
 pub struct Corrected {
-    /// The frame that belongs to it.
     pub frame: Frame,
     /// Its covariance, column by column.
     pub covariance: SMatrix<f64, 9, 9>,
@@ -44,7 +42,6 @@ pub struct Spectrum {
     pub share: [(f64, f64); 3],
     /// Σ of squares of what one matrix and one share leave in the bands, and its degrees of freedom.
     pub chi_squared: (f64, f64),
-    /// Corrected by them.
     pub corrected: Corrected,
 }
 
@@ -72,32 +69,25 @@ pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Opti
         return Ok(None);
     }
     let bread = |frame: &Frame, axis: usize| inverse4(&(frame.held(axis, frame.bins()) - noise(frame, axis)));
-    let frame = settle(pair, start, |frame| {
-        let mut delta = [Vector4::zeros(); 3];
-        for (i, delta) in delta.iter_mut().enumerate() {
-            *delta = bread(frame, i)? * (frame.left(i, frame.bins()) + noise(frame, i).column(i));
-        }
-        Ok(delta)
+    let frame = settle(pair, start, |frame, i| {
+        Ok(bread(frame, i)? * (frame.left(i, frame.bins()) + noise(frame, i).column(i)))
     })?;
     let breads = [bread(&frame, 0)?, bread(&frame, 1)?, bread(&frame, 2)?];
     let pulled: [Vector4<f64>; 3] = std::array::from_fn(|i| breads[i] * noise(&frame, i).column(i));
-    let blocks: Blocks = std::array::from_fn(|i| {
-        std::array::from_fn(|l| {
-            let mut middle = frame.scatter(i, l, false);
-            if i == l {
-                middle[(i, i)] += frame
-                    .bins()
-                    .map(|bin| {
-                        frame.spectra.freedom[bin] * (known.density[i][bin] / frame.density[i][bin]).powi(2)
-                    })
-                    .sum::<f64>();
-            }
-            let random = breads[i] * middle * breads[l].transpose();
-            let declared = pulled[i] * pulled[l].transpose() * known.covariance(i, l);
-            (random + declared).fixed_view::<3, 3>(0, 0).into_owned()
-        })
+    let covariance = frame.of_matrix(|i, l| {
+        let mut middle = frame.scatter(i, l, false);
+        if i == l {
+            middle[(i, i)] += frame
+                .bins()
+                .map(|bin| {
+                    frame.spectra.freedom[bin] * (known.density[i][bin] / frame.density[i][bin]).powi(2)
+                })
+                .sum::<f64>();
+        }
+        let random = breads[i] * middle * breads[l].transpose();
+        random + pulled[i] * pulled[l].transpose() * known.covariance(i, l)
     });
-    Ok(Some(Corrected { covariance: frame.of_matrix(&blocks), frame }))
+    Ok(Some(Corrected { covariance, frame }))
 }
 
 /// With a third instrument C, whose errors are those of neither: Σ ν S_CR/P δ = Σ ν S_Cv/P. No noise needs to
@@ -105,25 +95,11 @@ pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Opti
 ///
 /// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 1.4 (instrumental variables).
 pub fn by_third(pair: &Pair, start: &Frame) -> Result<Corrected, Error> {
-    let frame = settle(pair, start, |frame| {
-        let mut delta = [Vector4::zeros(); 3];
-        for (i, delta) in delta.iter_mut().enumerate() {
-            let (held, left) = frame.by_third(i);
-            *delta = inverse4(&held)? * left;
-        }
-        Ok(delta)
-    })?;
-    let mut breads = [Matrix4::zeros(); 3];
-    for (i, bread) in breads.iter_mut().enumerate() {
-        *bread = inverse4(&frame.by_third(i).0)?;
-    }
-    let blocks: Blocks = std::array::from_fn(|i| {
-        std::array::from_fn(|l| {
-            let all = breads[i] * frame.scatter(i, l, true) * breads[l].transpose();
-            all.fixed_view::<3, 3>(0, 0).into_owned()
-        })
-    });
-    Ok(Corrected { covariance: frame.of_matrix(&blocks), frame })
+    let bread = |frame: &Frame, axis: usize| inverse4(&frame.by_third(axis).0);
+    let frame = settle(pair, start, |frame, i| Ok(bread(frame, i)? * frame.by_third(i).1))?;
+    let breads = [bread(&frame, 0)?, bread(&frame, 1)?, bread(&frame, 2)?];
+    let covariance = frame.of_matrix(|i, l| breads[i] * frame.scatter(i, l, true) * breads[l].transpose());
+    Ok(Corrected { covariance, frame })
 }
 
 /// From two instruments alone: in a band b of frequencies Σ_b ν S_Rv/P = M_b δ − ρ e_i Σ_b ν S_vv/P, with one
@@ -136,21 +112,18 @@ pub fn by_spectrum(pair: &Pair, start: &Frame) -> Result<Option<Spectrum>, Error
     if bands(start).len() < LEAST_BANDS {
         return Ok(None);
     }
-    let all = |frame: &Frame| -> Result<[Banded; 3], Error> {
-        Ok([Banded::of(frame, 0)?, Banded::of(frame, 1)?, Banded::of(frame, 2)?])
-    };
-    let frame = settle(pair, start, |frame| Ok(all(frame)?.map(|found| found.delta())))?;
-    let found = all(&frame)?;
-    let blocks: Blocks = std::array::from_fn(|i| {
-        std::array::from_fn(|l| {
-            if i == l { found[i].covariance.fixed_view::<3, 3>(0, 0).into_owned() } else { Matrix3::zeros() }
-        })
+    let frame =
+        settle(pair, start, |frame, i| Ok(Banded::of(frame, i)?.found.fixed_rows::<4>(0).into_owned()))?;
+    let found = [Banded::of(&frame, 0)?, Banded::of(&frame, 1)?, Banded::of(&frame, 2)?];
+    let covariance = frame.of_matrix(|i, l| {
+        let own = found[i].covariance.fixed_view::<4, 4>(0, 0).into_owned();
+        if i == l { own } else { Matrix4::zeros() }
     });
     let sum = |of: fn(&Banded) -> f64| found.iter().map(of).sum::<f64>();
     Ok(Some(Spectrum {
         share: found.each_ref().map(|f| (f.found[4], f.covariance[(4, 4)].sqrt())),
         chi_squared: (sum(|f| f.chi_squared), sum(|f| f.freedom)),
-        corrected: Corrected { covariance: frame.of_matrix(&blocks), frame },
+        corrected: Corrected { covariance, frame },
     }))
 }
 
@@ -225,10 +198,6 @@ impl Banded {
                 .sum();
         }
         Ok(banded)
-    }
-
-    fn delta(&self) -> Vector4<f64> {
-        self.found.fixed_rows::<4>(0).into_owned()
     }
 }
 

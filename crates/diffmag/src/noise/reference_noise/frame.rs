@@ -3,13 +3,13 @@
 use std::ops::Range;
 
 use estimate::cross_spectrum::CrossSpectra;
-use estimate::stats;
 use nalgebra::{Matrix3, Matrix4, SMatrix, Vector3, Vector4};
 
 use crate::Error;
 use crate::regression::AxisFit;
 use joined::Pair;
 use paired::noise::Noise;
+use paired::residual::centred;
 
 /// Widest bin of the spectra, as a share of its frequency.
 const WIDEST: f64 = 0.02;
@@ -26,20 +26,15 @@ const THIRD: [usize; 4] = [7, 8, 9, 3];
 
 /// A matrix and the drift, and what they leave in the axes of the reference.
 pub struct Frame {
-    /// η.
     pub eta: Matrix3<f64>,
     /// Drift along the axes of the reference, nT a day.
     drift: Vector3<f64>,
     /// v, nT.
     pub rest: [Vec<f64>; 3],
-    /// Spectra of all channels.
     pub spectra: CrossSpectra,
     /// P of v along each axis, at the frequencies of the spectra, nT²/Hz.
     pub density: [Vec<f64>; 3],
 }
-
-/// Covariance of the changes δ_i and δ_l, which are columns of 1 + δ.
-pub type Blocks = [[Matrix3<f64>; 3]; 3];
 
 impl Frame {
     /// η and drift by least squares, all frequencies weighed alike. Weights from what a pulled matrix leaves
@@ -50,8 +45,7 @@ impl Frame {
         let drift = invert(&eta)?.transpose() * drift;
         let mut frame = Self::of(pair, eta, drift, Some(Default::default()))?;
         for (density, rest) in frame.density.iter_mut().zip(&frame.rest) {
-            let middle = stats::mean(rest);
-            let square = rest.iter().map(|v| (v - middle).powi(2)).sum::<f64>() / rest.len() as f64;
+            let square = centred(rest).iter().map(|v| v.powi(2)).sum::<f64>() / rest.len() as f64;
             *density = vec![2.0 * square * pair.step_s; frame.spectra.frequency_hz.len()];
         }
         Ok(frame)
@@ -78,12 +72,8 @@ impl Frame {
         channels.extend(rest.iter().map(Vec::as_slice));
         channels.extend(pair.third.iter().flatten().map(AsRef::as_ref));
         let spectra = CrossSpectra::of_whole(&channels, pair.step_s, WIDEST)?;
-        let centred = |series: &Vec<f64>| {
-            let middle = stats::mean(series);
-            Noise::seen(&series.iter().map(|value| value - middle).collect::<Vec<_>>(), pair)
-        };
         let fitted = |rest: &Vec<f64>| -> Result<Vec<f64>, Error> {
-            let noise = centred(rest)?;
+            let noise = Noise::seen(&centred(rest), pair)?;
             Ok(spectra.frequency_hz.iter().map(|frequency| noise.density(*frequency)).collect())
         };
         let density = match told {
@@ -98,11 +88,9 @@ impl Frame {
         let all: Vec<f64> = (0..self.rest[0].len())
             .map(|row| (0..3).map(|i| self.rest[i][row] * self.eta[(i, test)]).sum())
             .collect();
-        let middle = stats::mean(&all);
-        all.into_iter().map(|d| d - middle).collect()
+        centred(&all)
     }
 
-    /// All frequencies.
     pub fn bins(&self) -> Range<usize> {
         0..self.spectra.frequency_hz.len()
     }
@@ -161,8 +149,10 @@ impl Frame {
         self.matrix(self.bins(), channels, channels, root) * coherence
     }
 
-    /// Covariance of η, column by column, from that of δ in (1 + δ) η.
-    pub fn of_matrix(&self, blocks: &Blocks) -> SMatrix<f64, 9, 9> {
+    /// Covariance of η, column by column, from that of δ_i and δ_l, which are columns of δ in (1 + δ) η with the
+    /// time as a fourth row.
+    pub fn of_matrix(&self, block: impl Fn(usize, usize) -> Matrix4<f64>) -> SMatrix<f64, 9, 9> {
+        let blocks: [[_; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|l| block(i, l)));
         SMatrix::from_fn(|row, column| {
             let ((j, a), (m, b)) = ((row / 3, row % 3), (column / 3, column % 3));
             let mut sum = 0.0;
@@ -176,19 +166,22 @@ impl Frame {
     }
 }
 
-/// Repeats a correction δ, (1 + δ) η and the drift beside it, until there is nothing left to correct.
+/// Repeats a correction δ of each axis, (1 + δ) η and the drift beside it, until there is nothing left to correct.
 pub fn settle(
     pair: &Pair,
     start: &Frame,
-    correction: impl Fn(&Frame) -> Result<[Vector4<f64>; 3], Error>,
+    correction: impl Fn(&Frame, usize) -> Result<Vector4<f64>, Error>,
 ) -> Result<Frame, Error> {
-    let mut delta = correction(start)?;
+    let all = |frame: &Frame| -> Result<[Vector4<f64>; 3], Error> {
+        Ok([correction(frame, 0)?, correction(frame, 1)?, correction(frame, 2)?])
+    };
+    let mut delta = all(start)?;
     let (mut eta, mut drift, mut density) = (start.eta, start.drift, start.density.clone());
     for round in 0..ROUNDS {
         eta = (Matrix3::identity() + Matrix3::from_fn(|a, i| delta[i][a])) * eta;
         drift += Vector3::from_fn(|i, _| delta[i][3]);
         let frame = Frame::of(pair, eta, drift, (round >= WEIGHED).then(|| density.clone()))?;
-        delta = correction(&frame)?;
+        delta = all(&frame)?;
         let largest = delta.iter().flat_map(|d| d.iter().take(3)).fold(0.0_f64, |most, d| most.max(d.abs()));
         if largest < SETTLED {
             return Ok(frame);

@@ -12,7 +12,6 @@ use crate::Error;
 
 /// Widest bin of the spectra, as a share of its frequency.
 const WIDEST: f64 = 0.05;
-/// Probability of the intervals.
 const PROBABILITY: f64 = 0.95;
 
 /// Noise of the test instrument along its axes, that of the reference taken off: v has the spectrum P_e + η⁻ᵀ
@@ -46,11 +45,7 @@ pub fn of_test(frame: &Frame, step_s: f64, known: &KnownDensity) -> Result<PerAx
 
 /// Noise of the three axes of an instrument.
 pub fn of_axes(sources: &[Source]) -> PerAxis<OwnNoise> {
-    let mut all = PerAxis::default();
-    for (axis, source) in Axis::ALL.into_iter().zip(sources) {
-        *all.entry(axis) = Some(own(source));
-    }
-    all
+    Axis::ALL.into_iter().zip(sources.iter().map(own)).collect()
 }
 
 fn own(source: &Source) -> OwnNoise {

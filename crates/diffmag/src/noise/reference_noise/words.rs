@@ -28,12 +28,13 @@ pub fn ascribed(report: &ReferenceNoise, three: Option<&ThreeCornered>) -> Strin
     }
     let shares = report.share.as_ref().map(of_axes);
     match (report.known_from, shares) {
-        (ReferenceNoiseSource::Declared, Some(shares)) => format!(
-            "according to its declared noise the reference contributes {shares} of the power of the difference; the rest is attributed to the test instrument"
-        ),
-        (ReferenceNoiseSource::Spectrum, Some(shares)) => format!(
-            "according to the spectra the reference contributes {shares} of the power of the difference; the rest is attributed to the test instrument"
-        ),
+        (from @ (ReferenceNoiseSource::Declared | ReferenceNoiseSource::Spectrum), Some(shares)) => {
+            let by =
+                if from == ReferenceNoiseSource::Declared { "its declared noise" } else { "the spectra" };
+            format!(
+                "according to {by} the reference contributes {shares} of the power of the difference; the rest is attributed to the test instrument"
+            )
+        }
         _ => {
             let harmless = harmless_share(report);
             let enough = if harmless < 1.0 {
@@ -108,11 +109,9 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
 
 /// Lines for people.
 pub fn lines(report: &ReferenceNoise) -> Vec<String> {
-    let mut lines = vec![report.ascribed.clone()];
-    if let Some(test) = &report.test {
-        lines.push(format!("the test instrument's own noise: {}", of_instrument(test)));
-    }
-    lines
+    let own = report.test.as_ref();
+    let own = own.map(|test| format!("the test instrument's own noise: {}", of_instrument(test)));
+    std::iter::once(report.ascribed.clone()).chain(own).collect()
 }
 
 fn split(three: &ThreeCornered) -> String {
