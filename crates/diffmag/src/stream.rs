@@ -75,12 +75,9 @@ impl Statistics {
     }
 
     /// Takes the next rows. A row that lacks a reading is missing for all; places without a row are a gap.
-    /// What comes out does not depend on how the rows are cut into batches, once the grid is known.
-    ///
-    /// # Errors
-    ///
-    /// Columns of unlike length, a time that is missing, off the grid or does not rise, a first batch without
-    /// an even step.
+    /// What comes out does not depend on how the rows are cut into batches, once the grid is known. Refuses
+    /// columns of unlike length, a time that is missing, off the grid or does not rise, and a first batch
+    /// without an even step.
     pub fn push(&mut self, batch: &Batch<'_>) -> Result<(), Error> {
         let columns = [batch.reference_nt, batch.test_nt].concat();
         let expected = batch.time_s.len();

@@ -28,7 +28,7 @@ pub use covariance::UNDETERMINED_RAD;
 pub use error::Error;
 pub use known::{KnownAxes, KnownFive};
 pub use numeric::solve_numerically;
-pub use parameters::{EtaCovariance, Fourteen, FourteenCovariance, NAMES, Tilt};
+pub use parameters::{EtaCovariance, Fourteen, NAMES};
 
 use nalgebra::Matrix3;
 use pair::Pair;

@@ -1,3 +1,4 @@
+use estimate::positive::Positive;
 use estimate::stats;
 use faer::Mat;
 use serde::Serialize;
@@ -30,14 +31,6 @@ pub struct Estimate {
     pub freedom: f64,
 }
 
-impl Estimate {
-    /// The interval that holds the true value with `probability`, by Student's t.
-    pub fn interval(&self, probability: f64) -> [f64; 2] {
-        let half = stats::coverage_factor(probability, self.freedom) * self.std;
-        [self.value - half, self.value + half]
-    }
-}
-
 /// White noise and A f^-α.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NoiseFit {
@@ -50,8 +43,6 @@ pub struct NoiseFit {
     pub flicker_log_std: f64,
     /// α.
     pub flicker_exponent: Estimate,
-    /// Twice the gain in log likelihood that flicker brings. Significant above 7.7.
-    pub flicker_gain: f64,
 }
 
 /// One axis of the test instrument: T = R η + d.
@@ -113,8 +104,6 @@ pub struct StreamFit {
 /// wavelets, IEEE Trans. Signal Process. 40 (1992) 611–623; H. D. Patterson, R. Thompson, Recovery of
 /// inter-block information when block sizes are unequal, Biometrika 58 (1971) 545–554.
 ///
-/// # Errors
-///
 /// [`Error::Unanswerable`] for fewer than 128 samples, [`Error::Fit`] where the reference's axes do not
 /// vary or depend on each other.
 pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
@@ -151,7 +140,7 @@ pub fn answer(partial: &Partial) -> Result<StreamFit, Error> {
         let problem = Problem { octaves: &all[..inside], slow: &slow, steps };
         let found = problem.fit()?;
         let (gram, noisy) = problem.sandwich(&found.solution, &found.noise);
-        let inverse = estimate::positive::Positive::of(&gram)?.inverse;
+        let inverse = Positive::of(&gram)?.inverse;
         let sandwich = &inverse * &noisy * &inverse;
         let variance = plain.squares[axis] / plain.freedom;
         let covariance = &found.coefficients;
@@ -230,7 +219,6 @@ fn noise_of(found: &FittedNoise, step_s: f64) -> NoiseFit {
         flicker_nt2_per_hz_at_1hz: estimate(flicker_nt2, flicker_nt2 * flicker_log_std),
         flicker_log_std,
         flicker_exponent: estimate(noise.exponent, covariance[(1, 1)].sqrt()),
-        flicker_gain: found.gain,
     }
 }
 
@@ -249,8 +237,7 @@ fn octaves(
             .map(|(i, j)| found.solution.covariance[(i, j)] * differences.products[j][i])
             .sum();
         let coefficients = &found.solution.coefficients;
-        let variance = variances[number];
-        let fit = OctaveFit { coefficients, provisional, axis, variance, taken: taken / variance };
+        let fit = OctaveFit { coefficients, provisional, axis, taken: taken / variances[number] };
         Octave::of(differences, level, step_s, &fit)
     };
     (0..all.len()).filter(|number| all[*number].count > 0.0).map(one).collect()

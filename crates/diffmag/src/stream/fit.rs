@@ -15,7 +15,6 @@ const EXPONENTS: [f64; 2] = [0.1, 2.6];
 /// Exponents and decades of the flicker's share at one sample from which the search starts.
 const STARTS: [f64; 4] = [0.5, 1.0, 1.5, 2.2];
 const DECADES: [i32; 8] = [1, 0, -1, -2, -3, -4, -5, -6];
-/// Starts that are followed.
 const FOLLOWED: usize = 2;
 /// White noise may be as small as this share of the variance.
 const LEAST_WHITE: f64 = 1e-9;
@@ -27,6 +26,7 @@ const LONGEST: [f64; 3] = [2.0, 0.4, 2.0];
 const LAST: f64 = 1e-9;
 /// Twice the gain in log likelihood that flicker has to bring, as [`estimate::whittle`] has it.
 const FLICKER: f64 = 7.7;
+
 /// What was found.
 pub struct FittedNoise {
     /// The noise; amplitude 0 where flicker is not significant (1 %).
@@ -35,11 +35,8 @@ pub struct FittedNoise {
     pub covariance: Mat<f64>,
     /// Standard uncertainty of ln w, also where w is held at its limit.
     pub white_log_std: f64,
-    /// Twice the gain in log likelihood that flicker brings.
-    pub gain: f64,
     /// Covariance of the coefficients, the differences' covariances counted.
     pub coefficients: Mat<f64>,
-    /// The coefficients under it.
     pub solution: Solution,
     /// For each coefficient the degrees of freedom that its uncertainty has, the noise being estimated:
     /// 2/Var(ln σ²) (F. E. Satterthwaite, Biometrics 2 (1946) 110).
@@ -98,22 +95,17 @@ impl Problem<'_> {
                 best = Some(found);
             }
         }
-        let gain = best.as_ref().map_or(0.0, |best| white_cost - best.1.cost);
-        let Some((theta, solution)) = best.filter(|_| gain > FLICKER) else {
-            let freedom = self.freedom();
+        let Some((theta, solution)) = best.filter(|(_, best)| white_cost - best.cost > FLICKER) else {
+            let (freedom, solution) = (self.freedom(), self.solve(&white)?);
             let mut covariance = Mat::zeros(3, 3);
             covariance[(2, 2)] = 2.0 / freedom;
-            let (solution, white_log_std) = (self.solve(&white)?, (2.0 / freedom).sqrt());
-            let freedom = vec![freedom; UNKNOWNS];
-            let coefficients = solution.covariance.clone();
             return Ok(FittedNoise {
                 noise: white,
                 covariance,
-                white_log_std,
-                gain,
-                coefficients,
+                white_log_std: (2.0 / freedom).sqrt(),
+                coefficients: solution.covariance.clone(),
                 solution,
-                freedom,
+                freedom: vec![freedom; UNKNOWNS],
             });
         };
         let Slope { information, relative, .. } = self.slope(theta, &solution);
@@ -129,7 +121,7 @@ impl Problem<'_> {
             Mat::from_fn(UNKNOWNS, UNKNOWNS, |i, j| if i.max(j) < 3 { left_out[(i, j)] } else { 0.0 });
         let coefficients = &solution.covariance + &solution.covariance * left_out * &solution.covariance;
         let white_log_std = if held[2] { information[(2, 2)].powf(-0.5) } else { covariance[(2, 2)].sqrt() };
-        Ok(FittedNoise { noise, covariance, white_log_std, gain, coefficients, solution, freedom })
+        Ok(FittedNoise { noise, covariance, white_log_std, coefficients, solution, freedom })
     }
 
     fn satterthwaite(

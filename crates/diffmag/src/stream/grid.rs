@@ -22,11 +22,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The grid of a step on which a time stands best.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Step`].
+    /// The grid of a step on which a time stands best; [`Error::Step`] where it is none.
     pub fn of(step_s: f64, time_s: f64) -> Result<Self, Error> {
         if !(step_s > 0.0 && step_s.is_finite()) {
             return Err(Error::Step(step_s));
@@ -36,11 +32,7 @@ impl Grid {
     }
 
     /// The grid of times, of which some may be missing: the step of fewest digits (as a step or as a rate, up
-    /// to six) on which all stand.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::NoStep`].
+    /// to six) on which all stand; else [`Error::NoStep`].
     pub fn found(times: &[f64]) -> Result<Self, Error> {
         let none = Error::NoStep { rows: times.len() };
         let Some(even) = Places::of(times).filter(|places| places.even(NEAR)) else { return Err(none) };

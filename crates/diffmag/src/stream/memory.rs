@@ -7,7 +7,7 @@ use super::octaves::Differences;
 const DEPTH: usize = 6;
 const BESIDE: i64 = 2;
 
-/// How a difference covaries with one of `depth` levels below, as a sum over the knots of [`Curve`] from the
+/// How a difference covaries with one of `depth` levels below, as a sum over the knots of [`curve`] from the
 /// lower one's level on.
 struct Kernel {
     depth: usize,
@@ -81,7 +81,6 @@ pub struct Memory {
 
 /// A relation between two levels.
 pub struct Pair {
-    /// The lower level.
     pub lower: usize,
     /// The upper level, or the same.
     pub upper: usize,
@@ -106,7 +105,6 @@ impl Memory {
         }
     }
 
-    /// All pairs.
     pub fn pairs(&self) -> impl Iterator<Item = Pair> {
         let levels = self.counts.len();
         (0..levels).flat_map(move |lower| {

@@ -15,27 +15,22 @@ pub const fn at(i: usize, j: usize) -> usize {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Block {
-    /// Whole samples.
     pub count: u64,
-    /// Sums of the channels.
     pub sums: [Sum; CHANNELS],
 }
 
 impl Block {
-    /// One sample.
     pub fn sample(place: i64, readings: [f64; 6]) -> Self {
         let mut sums = [Sum::of(place as f64); CHANNELS];
         sums[1..].iter_mut().zip(readings).for_each(|(sum, reading)| *sum = Sum::of(reading));
         Block { count: 1, sums }
     }
 
-    /// Adds what another holds.
     pub fn add(&mut self, other: &Block) {
         self.count += other.count;
         self.sums.iter_mut().zip(&other.sums).for_each(|(to, from)| to.add_sum(*from));
     }
 
-    /// Means of the channels.
     pub fn means(&self) -> [f64; CHANNELS] {
         self.sums.map(|sum| sum.over(self.count as f64).value())
     }
@@ -67,7 +62,6 @@ impl Block {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Level {
-    /// Differences.
     pub count: u64,
     /// Pairs of which a block has too few samples.
     pub broken: u64,
@@ -76,7 +70,6 @@ pub struct Level {
 }
 
 impl Level {
-    /// Adds the differences of another.
     pub fn add(&mut self, other: &Level) {
         self.count += other.count;
         self.broken += other.broken;
@@ -97,7 +90,6 @@ impl Level {
         self.products.iter_mut().zip(products).for_each(|(to, from)| to.add(*from));
     }
 
-    /// Adds one difference.
     pub fn add_difference(&mut self, difference: &[f64; CHANNELS]) {
         let mut products = [0.0; PRODUCTS];
         for i in 0..CHANNELS {

@@ -51,7 +51,6 @@ pub struct Problem<'a> {
 pub struct Solution {
     /// Corrections of η₀ (nT/nT) and drift (nT a place).
     pub coefficients: Vec<f64>,
-    /// Their covariance.
     pub covariance: Mat<f64>,
     /// Variances of the octaves' differences.
     pub variances: Vec<f64>,

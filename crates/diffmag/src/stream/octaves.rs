@@ -1,3 +1,4 @@
+use common::OctaveAgreement;
 use estimate::exact::Sum;
 use estimate::positive::Positive;
 use estimate::stats;
@@ -8,7 +9,6 @@ use super::moments::Level;
 
 /// The reference's x, y, z, the place, and what is to be explained.
 pub const COLUMNS: usize = 5;
-/// Unknowns of an axis.
 pub const UNKNOWNS: usize = COLUMNS - 1;
 /// Fewer differences than these do not tell η.
 const LEAST: u64 = 8;
@@ -18,7 +18,6 @@ const PROBABILITY: f64 = 0.95;
 pub struct Differences {
     /// Places of a block, 2^L.
     pub length: f64,
-    /// Differences.
     pub count: f64,
     /// Σ z zᵀ of the columns z = (r_x, r_y, r_z, 0, T − R η₀ − b₀ place): a drift is told by what is slower.
     pub products: [[f64; COLUMNS]; COLUMNS],
@@ -63,45 +62,28 @@ impl Differences {
 /// One axis of the test instrument at one octave: blocks of 2^L samples and their successors.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Octave {
-    /// Averaging time 2^L Δt, s.
-    pub averaging_s: f64,
-    /// Differences of neighbouring blocks.
-    pub differences: u64,
-    /// Pairs of which a block has less than three quarters of its samples.
-    pub broken: u64,
+    /// η of this octave alone; none with fewer than eight differences.
+    pub agreement: OctaveAgreement,
     /// Allan deviation of d less its drift, by blocks that do not overlap, nT.
     pub allan_nt: f64,
     /// 95 % interval of the Allan deviation, the differences taken as independent, nT.
     pub allan_interval_nt: [f64; 2],
-    /// The same of the noise that was fitted, nT.
-    pub fitted_nt: f64,
-    /// η of this octave alone; none with fewer than eight differences.
-    pub eta: Option<[f64; 3]>,
-    /// Its standard uncertainty, the differences taken as independent: Student's t with `differences` − 3.
-    pub eta_std: Option<[f64; 3]>,
-    /// Share of the square of T's differences that R explains here, R².
-    pub coherence: Option<f64>,
 }
 
 impl Octave {
-    /// Of a level's differences with the fitted variance of a difference there and the degrees of freedom
-    /// that the fit took.
+    /// Of a level's differences.
     pub fn of(differences: &Differences, level: &Level, step_s: f64, fit: &OctaveFit<'_>) -> Self {
-        let variance = |sum: f64| sum / (2.0 * differences.count);
-        let squares = differences.squares(fit.coefficients);
-        let allan = variance(squares);
+        let allan = differences.squares(fit.coefficients) / (2.0 * differences.count);
         let (low, high) = stats::variance_interval((differences.count - fit.taken).max(0.5), PROBABILITY);
         let alone = (level.count >= LEAST).then(|| alone(differences, level, fit)).flatten();
         Octave {
-            averaging_s: differences.length * step_s,
-            differences: level.count,
-            broken: level.broken,
+            agreement: OctaveAgreement {
+                averaging_s: differences.length * step_s,
+                differences: level.count,
+                ..alone.unwrap_or_default()
+            },
             allan_nt: allan.sqrt(),
             allan_interval_nt: [(allan * low).sqrt(), (allan * high).sqrt()],
-            fitted_nt: (0.5 * fit.variance).sqrt(),
-            eta: alone.map(|(eta, _, _)| eta),
-            eta_std: alone.map(|(_, std, _)| std),
-            coherence: alone.map(|(_, _, coherence)| coherence),
         }
     }
 }
@@ -112,16 +94,14 @@ pub struct OctaveFit<'a> {
     pub coefficients: &'a [f64],
     /// η₀.
     pub provisional: [f64; 3],
-    /// The test's axis.
     pub axis: usize,
-    /// Fitted variance of a difference.
-    pub variance: f64,
     /// Degrees of freedom that the fit took from this octave.
     pub taken: f64,
 }
 
-/// η of an octave, its standard uncertainty and the coherence.
-fn alone(differences: &Differences, level: &Level, fit: &OctaveFit<'_>) -> Option<([f64; 3], [f64; 3], f64)> {
+/// η of an octave, its standard uncertainty (Student's t with three degrees of freedom fewer than differences)
+/// and the coherence R².
+fn alone(differences: &Differences, level: &Level, fit: &OctaveFit<'_>) -> Option<OctaveAgreement> {
     let products = &differences.products;
     let inverse = Positive::of(&Mat::from_fn(3, 3, |i, j| products[i][j])).ok()?.inverse;
     let right: [f64; 3] = std::array::from_fn(|i| products[i][UNKNOWNS]);
@@ -130,9 +110,10 @@ fn alone(differences: &Differences, level: &Level, fit: &OctaveFit<'_>) -> Optio
     let squares = differences.squares(&[x, y, z, 0.0]);
     let variance = squares / (differences.count - 3.0);
     let whole = level.product(4 + fit.axis, 4 + fit.axis).value();
-    Some((
-        std::array::from_fn(|i| fit.provisional[i] + correction[i]),
-        std::array::from_fn(|i| (variance * inverse[(i, i)]).sqrt()),
-        1.0 - squares / whole,
-    ))
+    Some(OctaveAgreement {
+        matrix: Some(std::array::from_fn(|i| fit.provisional[i] + correction[i])),
+        std: Some(std::array::from_fn(|i| (variance * inverse[(i, i)]).sqrt())),
+        coherence: Some(1.0 - squares / whole),
+        ..OctaveAgreement::default()
+    })
 }

@@ -166,7 +166,6 @@ impl Partial {
         }
     }
 
-    /// Whether all places of a tile are covered.
     fn is_covered(&self, tile: i64) -> bool {
         let [first, last] = [tile * TILE as i64, (tile + 1) * TILE as i64 - 1];
         let stretches = self.covered.stretches();

@@ -16,7 +16,6 @@ pub struct Stretch {
     pub first: i64,
     /// Last place with one.
     pub last: i64,
-    /// The samples.
     #[serde(flatten)]
     pub block: Block,
 }
@@ -54,7 +53,6 @@ impl Profile {
         }
     }
 
-    /// Takes what another profile holds.
     pub fn merge(&mut self, mut other: Profile) {
         while self.level < other.level {
             self.double();

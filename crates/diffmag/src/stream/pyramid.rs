@@ -85,14 +85,12 @@ impl Pyramid {
         }
     }
 
-    /// A level's sums.
     fn level(&mut self, level: u8) -> &mut Level {
         let level = usize::from(level);
         self.levels_to(level + 1);
         &mut self.levels[level]
     }
 
-    /// So many levels at least.
     pub fn levels_to(&mut self, levels: usize) {
         if self.levels.len() < levels {
             self.levels.resize_with(levels, Level::default);
@@ -105,6 +103,7 @@ mod tests {
     use super::*;
     use crate::stream::moments::at;
     use crate::stream::{Batch, Statistics};
+    use testkit::reference::{list, reference};
 
     fn block(value: f64) -> Block {
         Block::sample(0, [value; 6])
@@ -134,22 +133,19 @@ mod tests {
 
     #[test]
     fn python_has_the_same_differences() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../fixtures/reference/diffmag_stream.json");
-        let text = std::fs::read_to_string(path).expect("the reference");
-        let reference: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let reference = reference("diffmag_stream");
         let numbers = |value: &serde_json::Value| -> Vec<f64> {
-            value.as_array().expect("a list").iter().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
+            list(value).iter().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect()
         };
         let time = numbers(&reference["time_s"]);
-        let columns: Vec<Vec<f64>> =
-            reference["columns"].as_array().expect("columns").iter().map(numbers).collect();
+        let columns: Vec<Vec<f64>> = list(&reference["columns"]).iter().map(numbers).collect();
         let mut statistics = Statistics::new();
         let column = |i: usize| columns[i].as_slice();
         let reference_nt = [column(0), column(1), column(2)];
         let test_nt = [column(3), column(4), column(5)];
         statistics.push(&Batch { time_s: &time, reference_nt, test_nt }).expect("rows");
         let levels = statistics.finish().pyramid.levels;
-        let expected = reference["haar"].as_array().expect("levels");
+        let expected = list(&reference["haar"]);
         assert_eq!(levels.len(), expected.len());
         let mut worst: f64 = 0.0;
         for (level, expected) in levels.iter().zip(expected) {

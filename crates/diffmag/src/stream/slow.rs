@@ -17,7 +17,6 @@ pub struct Slow {
 }
 
 impl Slow {
-    /// Of a profile.
     pub fn of(profile: &Profile) -> Self {
         let length = 2.0_f64.powi(i32::from(profile.level));
         let stretches = &profile.stretches;

@@ -2,21 +2,18 @@
 
 use common::{
     AllanDeviation, Axis, Calibration, DifferenceAxis, DifferentialCalibration, DifferentialFit, Document,
-    Drift, DriftForm, FORMAT_VERSION, MatrixElement, OctaveAgreement, PerAxis, Quantity,
+    Drift, DriftForm, FORMAT_VERSION, MatrixElement, PerAxis, Quantity,
 };
 
 use estimate::stats;
 
 use super::answer::{AxisFit, Estimate, StreamFit, answer};
 use super::partial::Partial;
+use crate::calibration::covariance_order;
 use crate::drift::LEVEL;
 use crate::{Error, mutual, words};
 
-/// The document of a series of which only the statistics are left.
-///
-/// # Errors
-///
-/// As [`answer`].
+/// The document of a series of which only the statistics are left; fails as [`answer`] does.
 pub fn document(partial: &Partial) -> Result<Document, Error> {
     let differential = calibration(&answer(partial)?)?;
     let calibration = Calibration { differential: Some(differential), ..Calibration::default() };
@@ -59,14 +56,14 @@ fn calibration(found: &StreamFit) -> Result<DifferentialCalibration, Error> {
         }
         *offsets.entry(axis) = Some(quantity(of.offset_nt));
         *fit.axes.entry(axis) = Some(difference(of));
-        *fit.octaves.get_or_insert_default().entry(axis) = Some(octaves(of));
+        let octaves = of.octaves.iter().map(|octave| octave.agreement);
+        *fit.octaves.get_or_insert_default().entry(axis) = Some(octaves.collect());
     }
-    let order = Axis::ALL.iter().flat_map(|j| (0..3).map(move |i| format!("matrix[{i}][{}]", j.index())));
     let mut differential = DifferentialCalibration {
         matrix: Some(matrix),
         offset_nt: Some(offsets),
         covariance: Some(covariance),
-        covariance_order: Some(order.collect()),
+        covariance_order: Some(covariance_order()),
         fit: Some(Box::new(fit)),
         ..DifferentialCalibration::default()
     };
@@ -77,7 +74,7 @@ fn calibration(found: &StreamFit) -> Result<DifferentialCalibration, Error> {
 fn difference(of: &AxisFit) -> DifferenceAxis {
     let mut allan = AllanDeviation::default();
     for octave in &of.octaves {
-        allan.push(0, octave.averaging_s, octave.allan_nt, octave.allan_interval_nt);
+        allan.push(0, octave.agreement.averaging_s, octave.allan_nt, octave.allan_interval_nt);
     }
     let amplitude = of.noise.flicker_nt2_per_hz_at_1hz;
     let density = amplitude.value.sqrt();
@@ -107,17 +104,4 @@ fn drift(slope: Estimate) -> Drift {
         exponential_p: 1.0,
         ..Drift::default()
     }
-}
-
-fn octaves(of: &AxisFit) -> Vec<OctaveAgreement> {
-    of.octaves
-        .iter()
-        .map(|octave| OctaveAgreement {
-            averaging_s: octave.averaging_s,
-            differences: octave.differences,
-            matrix: octave.eta,
-            std: octave.eta_std,
-            coherence: octave.coherence,
-        })
-        .collect()
 }

@@ -2,15 +2,17 @@
 //! (fixtures/reference/diffmag_drift.py).
 
 use common::Document;
-use serde_json::{Map, Value, json};
+use serde_json::{Map, json};
+use testkit::reference::{list, number, reference};
+
+use crate::answers::fit;
 
 #[test]
 fn the_iteration_ends_at_the_joint_least_squares() {
-    let text = testkit::read_fixture("reference/diffmag_drift.json");
-    let reference: Value = serde_json::from_str(&text).expect("the fixture is JSON");
+    let reference = reference("diffmag_drift");
     let pair = &reference["pair"];
-    let rows = pair["test"][0].as_array().expect("a column").len();
-    let step_s = pair["step_s"].as_f64().expect("a step");
+    let rows = list(&pair["test"][0]).len();
+    let step_s = number(&pair["step_s"]);
     let mut columns = Map::new();
     columns.insert("time_s".into(), json!((0..rows).map(|row| row as f64 * step_s).collect::<Vec<_>>()));
     for (i, axis) in ["x", "y", "z"].iter().enumerate() {
@@ -19,14 +21,11 @@ fn the_iteration_ends_at_the_joint_least_squares() {
         }
     }
     let document = json!({"fluxcal": 1, "recordings": [{"id": "pair", "procedure": "differential", "columns": columns}]});
-    let document = Document::parse(&document.to_string()).expect("a document");
-    let found = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
-    let fit = found.calibration.expect("a calibration").differential.expect("a fit").fit.expect("a fit");
+    let fit = fit(&Document::parse(&document.to_string()).expect("a document"));
     let mut worst: f64 = 0.0;
-    for ((_, of), expected) in fit.axes.iter().zip(pair["fits"].as_array().expect("fits")) {
+    for ((_, of), expected) in fit.axes.iter().zip(list(&pair["fits"])) {
         let iteration = of.drift.iteration.as_ref().expect("an iteration");
         assert!(iteration.settled);
-        let number = |value: &Value| value.as_f64().expect("a number");
         let mut differ = |found: f64, expected: f64, scale: f64| {
             worst = worst.max((found - expected).abs() / scale);
         };

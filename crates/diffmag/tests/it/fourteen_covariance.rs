@@ -1,13 +1,12 @@
 //! The covariance against draws: η and what is known vary, and the answers must vary as stated.
 
-use crate::pairs;
-
 use diffmag::fourteen::{EtaCovariance, KnownAxes, KnownFive, NAMES, UNDETERMINED_RAD, eta_of, solve};
 use nalgebra::{Matrix3, SMatrix, SVector};
 use noise::Stream;
-use pairs::{parameters, reference, test, tilts};
 
-const DRAWS: usize = 20_000;
+use crate::pairs::{parameters, reference, test, tilts};
+
+const DRAWS: usize = 8_000;
 
 /// A full covariance L Lᵀ and its L, of standard deviations about `sigma`.
 fn correlated<const N: usize>(stream: &mut Stream, sigma: f64) -> [SMatrix<f64, N, N>; 2] {

@@ -2,15 +2,15 @@
 
 use diffmag::fourteen::{EtaCovariance, KnownAxes, KnownFive, NAMES, eta_of, solve, solve_numerically};
 use nalgebra::{Matrix3, SMatrix};
-use testkit::reference::{numbers, reference};
+use testkit::reference::{list, numbers, reference};
 
 #[test]
 fn parameters_of_scipy() {
     let sets = reference("fourteen_scipy");
     let mut worst = 0.0_f64;
-    for set in sets.as_array().expect("a list of sets") {
+    for set in list(&sets) {
         let name = &set["name"];
-        let rows: Vec<Vec<f64>> = set["eta"].as_array().expect("three rows").iter().map(numbers).collect();
+        let rows: Vec<Vec<f64>> = list(&set["eta"]).iter().map(numbers).collect();
         let eta = Matrix3::from_fn(|i, j| rows[i][j]);
         for case in ["reference", "test"] {
             let five = numbers(&set[case]["known"]);

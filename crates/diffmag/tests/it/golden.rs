@@ -1,9 +1,12 @@
 //! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept. Each
 //! holds the true answer under `truth`, made outside this project, and the answer is held against it as well.
 
-use common::{DifferentialCalibration, Document, to_text};
+use common::{Document, to_text};
 use diffmag::Columns;
 use serde_json::Value;
+use testkit::reference::number;
+
+use crate::answers::elements;
 
 const INPUT: &str = "diffmag/turned-pair/input.json";
 
@@ -44,15 +47,9 @@ fn truth(document: &Document) -> Value {
     document.extra.get("truth").expect("the truth").clone()
 }
 
-fn differential(document: Document) -> DifferentialCalibration {
-    document.calibration.and_then(|calibration| calibration.differential).expect("an answer")
-}
-
 #[test]
 fn the_truth_is_found() {
-    let input = parse(&testkit::read_fixture(INPUT));
-    let truth = truth(&input);
-    let number = |value: &Value| value.as_f64().expect("a number");
+    let truth = truth(&parse(&testkit::read_fixture(INPUT)));
     let mut worst: (f64, String) = (0.0, String::new());
     let mut count = 0;
     let mut hold = |name: String, off: f64, std: f64| {
@@ -62,20 +59,14 @@ fn the_truth_is_found() {
             worst = (off.abs() / std, name);
         }
     };
-    let cases = [
-        ("reference known", answer(input.clone())),
-        ("test instrument known", answer(other_known(input))),
-        ("pieces", in_pieces()),
-    ];
-    for (case, document) in cases {
-        let found = differential(document);
+    for case in ["turned-pair", "turned-pair-test-known", "pieces"] {
+        let expected = parse(&testkit::read_fixture(&format!("diffmag/{case}/expected.json")));
+        let found = expected.calibration.and_then(|calibration| calibration.differential).expect("an answer");
         let (matrix, covariance) =
             (found.matrix.expect("a matrix"), found.covariance.expect("its covariance"));
-        for i in 0..3 {
-            for j in 0..3 {
-                let std = covariance[3 * j + i][3 * j + i].sqrt();
-                hold(format!("{case}, η {i} {j}"), matrix[i][j] - number(&truth["matrix"][i][j]), std);
-            }
+        for (name, i, j) in elements() {
+            let std = covariance[3 * j + i][3 * j + i].sqrt();
+            hold(format!("{case}, η {name}"), matrix[i][j] - number(&truth["matrix"][i][j]), std);
         }
         // A table says nothing of the five that are known.
         let Some(fourteen) = found.fourteen.filter(|fourteen| !fourteen.assumed) else { continue };

@@ -1,11 +1,11 @@
 //! Housekeeping columns that the difference follows. FLUXCAL_CAMPAIGNS sets how many campaigns.
 
-use crate::pair_in_time;
-
-use common::{Axis, Column, ContributionCause, Document, Followed, Quantity};
+use common::{Axis, Column, ContributionCause, DifferentialFit, Document, Followed};
 use noise::Stream;
-use pair_in_time::{Made, document, found};
 use rayon::prelude::*;
+
+use crate::answers::{fit, holds, off};
+use crate::pair_in_time::{Made, document};
 
 /// nT/K.
 const COEFFICIENT: f64 = 0.4;
@@ -42,28 +42,25 @@ fn campaign(seed: u64, coefficient: f64) -> Document {
     document(vec![recording])
 }
 
-fn followed(document: &Document) -> Vec<(Axis, Followed)> {
-    let fit = found(document, false).fit.expect("a fit");
-    fit.axes.iter().flat_map(|(axis, of)| of.follows.iter().map(move |one| (axis, one.clone()))).collect()
+fn followed(fit: &DifferentialFit) -> Vec<(Axis, &Followed)> {
+    fit.axes.iter().flat_map(|(axis, of)| of.follows.iter().map(move |one| (axis, one))).collect()
 }
 
 #[test]
 fn a_temperature_is_named_with_its_coefficient_and_lag() {
-    let campaigns = testkit::campaigns(6);
-    let all: Vec<Vec<(Axis, Followed)>> =
-        (0..campaigns).into_par_iter().map(|seed| followed(&campaign(seed, COEFFICIENT))).collect();
+    let campaigns = testkit::campaigns(4);
+    let all: Vec<DifferentialFit> =
+        (0..campaigns).into_par_iter().map(|seed| fit(&campaign(seed, COEFFICIENT))).collect();
     let (mut inside, mut lags, mut others) = (0, 0, 0);
-    for found in &all {
+    for found in all.iter().map(followed) {
         let (_, one) = found
             .iter()
             .find(|(axis, one)| *axis == Axis::X && one.column == "test_temperature_c")
             .expect("the temperature is named");
-        let within = |of: &Quantity, truth: f64| (of.value() - truth).abs() < 1.96 * of.std().expect("a std");
-        inside += usize::from(within(&one.nt_per_unit, COEFFICIENT));
-        lags += usize::from(within(one.lag_s.as_ref().expect("a lag"), LAG_S));
+        inside += usize::from(holds(&one.nt_per_unit, COEFFICIENT));
+        lags += usize::from(holds(one.lag_s.as_ref().expect("a lag"), LAG_S));
         // Other axes take the temperature too where it does better than a drift: with a coefficient of zero.
-        let far = |of: &Quantity| of.value().abs() > 2.58 * of.std().expect("a std");
-        others += found.iter().filter(|(_, one)| far(&one.nt_per_unit)).count() - 1;
+        others += found.iter().filter(|(_, one)| off(&one.nt_per_unit, 0.0).abs() > 2.58).count() - 1;
     }
     println!(
         "of {campaigns} coefficients {inside}, of lags {lags} within the 95 % interval; {others} others named"
@@ -71,22 +68,21 @@ fn a_temperature_is_named_with_its_coefficient_and_lag() {
     for within in [inside, lags] {
         assert!(testkit::agrees(within, campaigns as usize, [0.93, 0.97], 2), "{within} of {campaigns}");
     }
+    told_with_what_it_leaves(&all[1]);
     // Three axes at one in a hundred.
     assert!(others as f64 <= 0.03 * campaigns as f64 + 3.0 * (0.03 * campaigns as f64).sqrt(), "{others}");
 }
 
 #[test]
 fn what_does_not_follow_is_not_named() {
-    let campaigns = testkit::campaigns(6);
+    let campaigns = testkit::campaigns(4);
     let named: usize =
-        (100..100 + campaigns).into_par_iter().map(|seed| followed(&campaign(seed, 0.0)).len()).sum();
+        (100..100 + campaigns).into_par_iter().map(|seed| followed(&fit(&campaign(seed, 0.0))).len()).sum();
     println!("{named} named in {campaigns} campaigns of three axes");
     assert!(named as f64 <= 0.03 * campaigns as f64 + 3.0 * (0.03 * campaigns as f64).sqrt(), "{named}");
 }
 
-#[test]
-fn it_is_told_with_what_it_leaves() {
-    let fit = found(&campaign(1, COEFFICIENT), false).fit.expect("a fit");
+fn told_with_what_it_leaves(fit: &DifferentialFit) {
     let one = fit.contributions.iter().find(|one| one.cause == ContributionCause::Column).expect("told");
     assert_eq!(one.column.as_deref(), Some("test_temperature_c"));
     assert!(

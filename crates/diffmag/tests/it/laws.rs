@@ -8,6 +8,8 @@ use diffmag::Options;
 use serde_json::{Value, json};
 use testkit::laws::{self, Close, Draw};
 
+use crate::natural::simulated;
+
 /// Two recordings, one after the other, of a pair whose axes, scales and offsets are drawn.
 fn plan(seed: u64) -> Value {
     let mut draw = Draw::new(seed);
@@ -38,8 +40,7 @@ fn plan(seed: u64) -> Value {
 }
 
 fn campaign(plan: &Value) -> Value {
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    laws::json(&simulate::campaign(&plan).expect("simulated").document)
+    laws::json(&simulated(plan).document)
 }
 
 fn run(document: &Value) -> Value {

@@ -1,6 +1,7 @@
 //! The integration tests of `diffmag`: one program, a module for each subject.
 
 mod across;
+mod answers;
 mod bad_input;
 mod clocks;
 mod coverage;
@@ -14,8 +15,8 @@ mod golden;
 mod help;
 mod housekeeping;
 mod laws;
+mod natural;
 mod near_source;
-mod outside;
 mod pair_in_time;
 mod pairs;
 mod real;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use noise::Stream;
 
+use crate::answers::found;
 use crate::pair_in_time::{columns, document, recording};
 
 const ROWS: usize = 20_000;
@@ -35,9 +36,7 @@ fn a_matrix_by_least_squares_has_its_own_covariance() {
     let mut all = columns("reference", &reference, &(0..ROWS));
     all.extend(columns("test", &test, &(0..ROWS)));
     let time: Vec<f64> = (0..ROWS).map(|row| row as f64).collect();
-    let document = document(vec![recording("pair", &time, all)]);
-    let found = diffmag::run(document, &diffmag::Options::default()).expect("a fit");
-    let found = found.calibration.and_then(|calibration| calibration.differential).expect("a matrix");
+    let found = found(&document(vec![recording("pair", &time, all)]), false);
     let fit = found.fit.expect("a fit");
     for (axis, of) in fit.axes.iter() {
         assert!(of.left_nt() <= of.rms_of_levels_nt.expect("told"), "{axis}: {of:?}");

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use common::{Column, DifferentialCalibration, Document, Recording, procedure};
+use common::{Column, Document, Recording, procedure};
 use noise::Stream;
 
 /// η of the pairs.
@@ -27,6 +27,8 @@ pub struct Made {
     /// How late the test instrument's clock is in the middle, s.
     pub offset_s: f64,
     pub rate_ppm: f64,
+    /// The test instrument reads the mean of the field at these ages, s: a filter. None: as it is.
+    pub ages_s: Vec<f64>,
     /// A storm's sudden beginning.
     pub sudden: bool,
 }
@@ -44,6 +46,7 @@ impl Made {
             flicker: false,
             offset_s: 0.0,
             rate_ppm: 0.0,
+            ages_s: Vec::new(),
             sudden: false,
         }
     }
@@ -72,7 +75,8 @@ impl Made {
         let late =
             |t: f64| if name == "test" { self.offset_s + self.rate_ppm * 1e-6 * (t - middle) } else { 0.0 };
         let at: Vec<f64> = time.iter().map(|t| t - late(*t)).collect();
-        let field: [Vec<f64>; 3] = std::array::from_fn(|axis| self.field(axis, &at));
+        let ages_s = if name == "test" { self.ages_s.as_slice() } else { &[] };
+        let field: [Vec<f64>; 3] = std::array::from_fn(|axis| self.field(axis, &at, ages_s));
         let mut columns = match name {
             "reference" => field,
             _ => std::array::from_fn(|j| {
@@ -94,7 +98,7 @@ impl Made {
 
     /// The field along an axis: sines up to 0.8 of half the sampling rate of the test instrument, falling as
     /// a natural field's.
-    fn field(&self, axis: usize, at: &[f64]) -> Vec<f64> {
+    fn field(&self, axis: usize, at: &[f64], ages_s: &[f64]) -> Vec<f64> {
         let mut stream = Stream::new(self.seed, &format!("field {axis}"));
         let (lowest, highest) = (1.0 / (self.rows as f64 * self.step_s), 0.4 / self.step_s);
         let mut field = vec![MAIN_NT[axis]; at.len()];
@@ -103,9 +107,15 @@ impl Made {
             let frequency = lowest * (highest / lowest).powf(share.clamp(0.0, 1.0));
             let amplitude = 8.0 * (frequency / lowest).powf(-0.45) / (SINES as f64 / 20.0).sqrt();
             let [sine, cosine] = [stream.normal(), stream.normal()].map(|normal| amplitude * normal);
+            // What the mean over the ages makes of a sine.
+            let mean = |of: fn(f64) -> f64| {
+                ages_s.iter().map(|age| of(TAU * frequency * age)).sum::<f64>() / ages_s.len() as f64
+            };
+            let [real, imaginary] =
+                if ages_s.is_empty() { [1.0, 0.0] } else { [mean(f64::cos), mean(f64::sin)] };
             for (value, t) in field.iter_mut().zip(at) {
                 let (s, c) = (TAU * frequency * t).sin_cos();
-                *value += sine * s + cosine * c;
+                *value += sine * (s * real - c * imaginary) + cosine * (c * real + s * imaginary);
             }
         }
         if self.sudden {
@@ -145,9 +155,4 @@ pub fn recording(id: &str, time: &[f64], columns: Vec<(String, Vec<f64>)>) -> Re
 
 pub fn document(recordings: Vec<Recording>) -> Document {
     Document { fluxcal: 1, recordings, ..Document::default() }
-}
-
-pub fn found(document: &Document, correct_clock: bool) -> DifferentialCalibration {
-    let found = diffmag::run(document.clone(), &diffmag::Options { correct_clock }).expect("fitted");
-    found.calibration.expect("a calibration").differential.expect("a fit")
 }

@@ -1,14 +1,16 @@
 //! Real pairs of instruments, whose recordings are not in the repository: `just recordings` runs these tests.
 
-use common::{Axis, DifferentialCalibration, Document};
+use common::{Axis, DifferentialFit, Document};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 
+use crate::answers::found;
+
 /// Rows of three readings with the time before them, s.
 type Rows = Vec<[f64; 4]>;
 
-fn recording(id: &str, start: &str, instrument: &str, rows: &Rows) -> Value {
+fn recording(id: &str, start: &str, instrument: &str, rows: &[[f64; 4]]) -> Value {
     let column = |k: usize| -> Vec<f64> { rows.iter().map(|row| row[k]).collect() };
     let mut columns = json!({"time_s": column(0)});
     for (k, axis) in ["x", "y", "z"].into_iter().enumerate() {
@@ -17,15 +19,10 @@ fn recording(id: &str, start: &str, instrument: &str, rows: &Rows) -> Value {
     json!({"id": id, "procedure": "differential", "start": start, "columns": columns})
 }
 
-fn found(recordings: Vec<Value>) -> DifferentialCalibration {
-    found_with(recordings, &diffmag::Options::default())
-}
-
-fn found_with(recordings: Vec<Value>, options: &diffmag::Options) -> DifferentialCalibration {
+fn fit(recordings: [Value; 2], correct_clock: bool) -> DifferentialFit {
     let text = json!({"fluxcal": 1, "recordings": recordings}).to_string();
-    let document = diffmag::run(Document::parse(&text).expect("a document"), options).expect("fitted");
-    println!("{}", diffmag::summary(&document));
-    document.calibration.and_then(|calibration| calibration.differential).expect("a result")
+    let found = found(&Document::parse(&text).expect("a document"), correct_clock);
+    *found.fit.expect("a fit")
 }
 
 /// Rows of a CSV with a header, `time` taken from the first column less `zero`.
@@ -47,11 +44,11 @@ fn conrad_fge_and_lemi_036() {
     let folder = testkit::recordings("wic-conrad-2022-08");
     let read = |name: &str| csv(folder.join(name), 1_660_089_600.0);
     let start = "2022-08-10T00:00:00Z";
-    let result = found(vec![
+    let pair = [
         recording("FGE", start, "reference", &read("fge_s0252_2022-08-10_1s.csv")),
         recording("LEMI-036", start, "test", &read("lemi036_xyz_2022-08-10_1s.csv")),
-    ]);
-    let fit = result.fit.expect("a fit");
+    ];
+    let fit = fit(pair, false);
     assert_eq!(fit.samples + fit.missing, 86_400);
     // The FGE stands along the magnetic north, the LEMI's readings were turned to the geographic one: by the
     // declination.
@@ -101,10 +98,9 @@ fn cobenzl_didd_and_lemi_025() {
         test.extend(iaga(&text(format!("lemi025/201109{day:02}v.min"))));
     }
     let start = "2011-09-01T00:00:00Z";
-    let recordings =
-        vec![recording("DIDD", start, "reference", &reference), recording("LEMI-025", start, "test", &test)];
-    let result = found_with(recordings, &diffmag::Options { correct_clock: true });
-    let fit = result.fit.expect("a fit");
+    let pair =
+        [recording("DIDD", start, "reference", &reference), recording("LEMI-025", start, "test", &test)];
+    let fit = fit(pair, true);
     // The LEMI stamps its minutes at 47 s; the field itself says when they were taken.
     let clock = fit.clock.expect("a clock");
     assert!(clock.offset_s.value().abs() < 40.0, "{} s", clock.offset_s.value());
@@ -129,9 +125,9 @@ fn meson_hall_fluxgates() {
     let gap = reference.windows(2).position(|pair| pair[1][0] - pair[0][0] > 30.0);
     let rows = gap.map_or(reference.len(), |row| row + 1);
     let start = "2019-08-09T18:05:00Z";
-    let result = found(vec![
-        recording("sensor 3", start, "reference", &reference[..rows].to_vec()),
-        recording("sensor 4", start, "test", &test[..rows].to_vec()),
-    ]);
-    assert!(result.fit.expect("a fit").samples > 100);
+    let pair = [
+        recording("sensor 3", start, "reference", &reference[..rows]),
+        recording("sensor 4", start, "test", &test[..rows]),
+    ];
+    assert!(fit(pair, false).samples > 100);
 }

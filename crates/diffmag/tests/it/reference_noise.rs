@@ -3,13 +3,15 @@
 //! pairs.
 
 use common::{
-    Axis, Calibration, DifferentialFit, Document, Noise, OwnNoise, PerAxis, Recording, ReferenceNoise,
-    ReferenceNoiseSource, procedure,
+    Axis, DifferentialFit, Noise, OwnNoise, PerAxis, Recording, ReferenceNoise, ReferenceNoiseSource,
 };
-use indexmap::IndexMap;
 use noise::{Stream, power_law};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use testkit::reference::{list, number, numbers, reference};
+
+use crate::answers::{Said, Sums, elements, fit, found, holds, outside, over};
+use crate::pair_in_time::{document, recording};
 
 const ROWS: usize = 4320;
 const STEP_S: f64 = 60.0;
@@ -18,7 +20,7 @@ const ETA: [[f64; 3]; 3] = [[0.997, 0.062, -0.021], [-0.058, 1.004, 0.035], [0.0
 const ZETA: [[f64; 3]; 3] = [[0.866, -0.5, 0.01], [0.5, 0.866, -0.02], [-0.01, 0.02, 1.003]];
 
 fn campaigns() -> u64 {
-    testkit::campaigns(2)
+    testkit::campaigns(1)
 }
 
 fn noise_of(json: &Value) -> Noise {
@@ -79,96 +81,42 @@ impl Scene {
         Self { reference: noise_of(&reference), test: noise_of(&test), third: third.as_ref().map(noise_of) }
     }
 
-    /// The calibration that diffmag makes of one campaign, the noise of the reference declared or not.
-    fn calibrated(&self, seed: u64, declared: Option<Noise>) -> common::DifferentialCalibration {
+    /// The fit of one campaign, the noise of the reference declared or not.
+    fn fit(&self, seed: u64, declared: Option<Noise>) -> DifferentialFit {
         let field = field(seed);
-        let mut recording = Recording {
-            id: "pair".into(),
-            procedure: procedure::DIFFERENTIAL.into(),
-            ..Recording::default()
-        };
-        recording.columns.insert("time_s".into(), times().into());
+        let mut recording = recording("pair", &times(), Vec::new());
         readings(&mut recording, "reference", &field, &UNIT, &errors("reference", &self.reference, seed));
         readings(&mut recording, "test", &field, &ETA, &errors("test", &self.test, seed));
         if let Some(third) = &self.third {
             readings(&mut recording, "third", &field, &ZETA, &errors("third", third, seed));
         }
         recording.conditions.reference_noise = declared.map(common::NoiseOfSensors::Same);
-        let document = Document { recordings: vec![recording], ..Document::default() };
-        let done = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
-        let Some(Calibration { differential: Some(found), .. }) = done.calibration else { panic!("no fit") };
-        found
+        fit(&document(vec![recording]))
     }
 }
 
 /// Whether the truth is in the interval of each element of the corrected matrix, and of the pulled one.
-fn elements(report: &ReferenceNoise) -> IndexMap<String, bool> {
-    let mut all = IndexMap::new();
-    for (i, from) in Axis::ALL.into_iter().enumerate() {
-        for (j, to) in Axis::ALL.into_iter().enumerate() {
-            let (name, truth) = (format!("{from}{to}"), ETA[i][j]);
-            let element = &report.elements[&name];
-            all.insert(format!("{name} pulled"), (element.pulled - truth).abs() <= 1.96 * element.pulled_std);
-            if let Some(corrected) = &element.corrected {
-                let std = corrected.std().expect("a std");
-                all.insert(format!("{name} corrected"), (corrected.value() - truth).abs() <= 1.96 * std);
-            }
+fn of_elements(report: &ReferenceNoise, said: &mut Said) {
+    for (name, i, j) in elements() {
+        let element = &report.elements[&name];
+        let off = (element.pulled - ETA[i][j]).abs();
+        said.holds(format!("{name} pulled"), off <= 1.96 * element.pulled_std);
+        if let Some(corrected) = &element.corrected {
+            said.holds(format!("{name} corrected"), holds(corrected, ETA[i][j]));
         }
     }
-    all
-}
-
-/// Whether the truth is in the interval of each element by least squares.
-fn least_squares(fit: &DifferentialFit) -> IndexMap<String, bool> {
-    let mut all = IndexMap::new();
-    for (i, from) in Axis::ALL.into_iter().enumerate() {
-        for (j, to) in Axis::ALL.into_iter().enumerate() {
-            let element = &fit.elements[&format!("{from}{to}")];
-            let inside = (element.least_squares - ETA[i][j]).abs() <= 1.96 * element.std_noise;
-            all.insert(format!("{from}{to} least squares"), inside);
-        }
-    }
-    all
 }
 
 /// Whether the noise of an instrument is in the intervals that are stated.
-fn own(name: &str, truth: &Noise, found: &PerAxis<OwnNoise>) -> IndexMap<String, bool> {
-    let mut all = IndexMap::new();
+fn own(name: &str, truth: &Noise, found: &PerAxis<OwnNoise>, said: &mut Said) {
     let inside = |interval: [f64; 2], truth: f64| (interval[0]..=interval[1]).contains(&truth);
     for (axis, own) in found.iter() {
         let white = truth.white_rms_nt.unwrap_or(0.0);
-        all.insert(format!("{name} {axis} white"), inside(own.white_interval_nt, white));
+        said.holds(format!("{name} {axis} white"), inside(own.white_interval_nt, white));
         let density = truth.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0).sqrt();
-        let found = inside(own.density_interval_nt_per_sqrt_hz, density);
-        all.insert(format!("{name} {axis} density at 1 Hz"), found);
+        let inside = inside(own.density_interval_nt_per_sqrt_hz, density);
+        said.holds(format!("{name} {axis} density at 1 Hz"), inside);
     }
-    all
-}
-
-/// Prints the shares, and gives those that do not agree with `band`, all that are judged taken together.
-fn shares(
-    name: &str,
-    all: &[IndexMap<String, bool>],
-    band: [f64; 2],
-    judged: impl Fn(&str) -> bool,
-) -> (Vec<String>, IndexMap<String, f64>) {
-    let mut counts: IndexMap<String, [usize; 2]> = IndexMap::new();
-    for (key, inside) in all.iter().flatten() {
-        let [held, tried] = counts.entry(key.clone()).or_default();
-        *held += usize::from(*inside);
-        *tried += 1;
-    }
-    let cells = counts.keys().filter(|key| judged(key)).count();
-    let (mut outside, mut shares) = (Vec::new(), IndexMap::new());
-    for (key, [inside, tried]) in counts {
-        let share = inside as f64 / tried as f64;
-        println!("{name}: {key}: {:.1} % of {tried}", 100.0 * share);
-        if judged(&key) && !testkit::agrees(inside, tried, band, cells) {
-            outside.push(format!("{key}: {share:.3} of {tried}"));
-        }
-        shares.insert(key, share);
-    }
-    (outside, shares)
 }
 
 /// What 95 % intervals hold.
@@ -188,47 +136,45 @@ fn noisy_with_memory() -> Scene {
     )
 }
 
-fn average(shares: &IndexMap<String, f64>, ending: &str) -> f64 {
-    let of: Vec<f64> =
-        shares.iter().filter(|(key, _)| key.ends_with(ending)).map(|(_, share)| *share).collect();
-    of.iter().sum::<f64>() / of.len() as f64
+fn average(shares: &Sums, ending: &str) -> f64 {
+    let of = shares.iter().filter(|(key, _)| key.ends_with(ending));
+    let (held, tried) = of.fold((0.0, 0), |all, (_, of)| (all.0 + of.0, all.1 + of.1));
+    held / tried as f64
 }
 
 #[test]
 fn declared_noise_puts_back_what_it_pulled() {
     for (name, scene) in [("declared, white", noisy()), ("declared, flicker", noisy_with_memory())] {
-        let all: Vec<IndexMap<String, bool>> = (0..campaigns())
-            .into_par_iter()
-            .map(|seed| {
-                // Declared with an error of 5 % in the noise.
-                let factor = 1.0 + 0.05 * Stream::new(seed, "declaration").normal();
-                let declared = Noise {
-                    white_rms_nt: scene.reference.white_rms_nt.map(|white| white * factor),
-                    flicker_nt2_per_hz_at_1hz: scene
-                        .reference
-                        .flicker_nt2_per_hz_at_1hz
-                        .map(|a| a * factor * factor),
-                    relative_std: Some(0.05),
-                    ..Noise::default()
-                };
-                let fit = scene.calibrated(seed, Some(declared)).fit.expect("a fit");
-                let report = fit.reference_noise.as_ref().expect("a report");
-                assert_eq!(report.known_from, ReferenceNoiseSource::Declared);
-                let mut all = elements(report);
-                all.extend(least_squares(&fit));
-                all.extend(own("test", &scene.test, report.test.as_ref().expect("its noise")));
-                all
-            })
-            .collect();
-        let (outside, shares) =
-            shares(name, &all, HOLD, |key| key.ends_with("corrected") || key.ends_with("white"));
+        let shares = over(name, campaigns(), |seed| {
+            // Declared with an error of 5 % in the noise.
+            let factor = 1.0 + 0.05 * Stream::new(seed, "declaration").normal();
+            let declared = Noise {
+                white_rms_nt: scene.reference.white_rms_nt.map(|white| white * factor),
+                flicker_nt2_per_hz_at_1hz: scene
+                    .reference
+                    .flicker_nt2_per_hz_at_1hz
+                    .map(|a| a * factor * factor),
+                relative_std: Some(0.05),
+                ..Noise::default()
+            };
+            let fit = scene.fit(seed, Some(declared));
+            let report = fit.reference_noise.as_ref().expect("a report");
+            assert_eq!(report.known_from, ReferenceNoiseSource::Declared);
+            let mut said = Said::default();
+            of_elements(report, &mut said);
+            for (name, i, j) in elements() {
+                let element = &fit.elements[&name];
+                let off = (element.least_squares - ETA[i][j]).abs();
+                said.holds(format!("{name} least squares"), off <= 1.96 * element.std_noise);
+            }
+            own("test", &scene.test, report.test.as_ref().expect("its noise"), &mut said);
+            said
+        });
         // What is not put right: white noise pulls least squares, flicker noise the weighted fit too, which
         // leaves out short periods.
         let [pulled, plain] = ["pulled", "least squares"].map(|of| average(&shares, of));
-        println!(
-            "{name}: in their intervals are of weighted elements {pulled:.2}, of least squares {plain:.2}"
-        );
         assert!(pulled.min(plain) < 0.8, "{name}: nothing was to be put back: {pulled}, {plain}");
+        let outside = outside(&shares, HOLD, |key| key.ends_with("corrected") || key.ends_with("white"));
         assert!(outside.is_empty(), "{name}: {}", outside.join(", "));
     }
 }
@@ -236,26 +182,22 @@ fn declared_noise_puts_back_what_it_pulled() {
 #[test]
 fn spectra_show_the_noise_of_the_reference() {
     for (name, scene) in [("spectrum, white", noisy()), ("spectrum, flicker", noisy_with_memory())] {
-        let all: Vec<IndexMap<String, bool>> = (0..campaigns())
-            .into_par_iter()
-            .map(|seed| {
-                let found = scene.calibrated(seed, None);
-                let report = found.fit.expect("a fit").reference_noise.expect("a report");
-                let spectrum = report.in_spectrum.as_ref().expect("bands");
-                let mut all = elements(&report);
-                all.insert("used".into(), spectrum.used);
-                all.insert("consistent at 5 %".into(), spectrum.consistency_p > 0.05);
-                if let Some(test) = &report.test {
-                    all.extend(own("test", &scene.test, test));
-                }
-                all
-            })
-            .collect();
-        let (outside, _) =
-            shares(name, &all, HOLD, |key| key.ends_with("corrected") || key.starts_with("consistent"));
-        let used = all.iter().filter(|of| of["used"]).count();
-        assert!(testkit::agrees(used, all.len(), [0.9, 1.0], 1), "{name}: used in {used}");
-        assert!(outside.is_empty(), "{name}: {}", outside.join(", "));
+        let shares = over(name, campaigns(), |seed| {
+            let report = scene.fit(seed, None).reference_noise.expect("a report");
+            let spectrum = report.in_spectrum.as_ref().expect("bands");
+            let mut said = Said::default();
+            of_elements(&report, &mut said);
+            said.holds("used", spectrum.used);
+            said.holds("consistent at 5 %", spectrum.consistency_p > 0.05);
+            if let Some(test) = &report.test {
+                own("test", &scene.test, test, &mut said);
+            }
+            said
+        });
+        let mut outside_band =
+            outside(&shares, HOLD, |key| key.ends_with("corrected") || key.starts_with("consistent"));
+        outside_band.extend(outside(&shares, [0.9, 1.0], |key| key == "used"));
+        assert!(outside_band.is_empty(), "{name}: {}", outside_band.join(", "));
     }
 }
 
@@ -272,49 +214,43 @@ fn three_instruments_tell_the_noise_of_each() {
         ("three, a good test instrument", Scene::new(white(0.1), white(0.01), Some(white(0.15)))),
     ];
     for (name, scene) in scenes {
-        let all: Vec<IndexMap<String, bool>> = (0..campaigns())
-            .into_par_iter()
-            .map(|seed| {
-                let found = scene.calibrated(seed, None);
-                let fit = found.fit.expect("a fit");
-                let report = fit.reference_noise.expect("a report");
-                assert_eq!(report.known_from, ReferenceNoiseSource::ThirdInstrument);
-                let split = fit.three_cornered.expect("three instruments");
-                let mut all = elements(&report);
-                all.extend(own("reference", &scene.reference, &split.reference));
-                all.extend(own("test", &scene.test, &split.test));
-                all.extend(own("third", scene.third.as_ref().expect("a third"), &split.third));
-                all.insert("goodness at 5 %".into(), split.goodness_p > 0.05);
-                all
-            })
-            .collect();
+        let shares = over(name, campaigns(), |seed| {
+            let fit = scene.fit(seed, None);
+            let report = fit.reference_noise.expect("a report");
+            assert_eq!(report.known_from, ReferenceNoiseSource::ThirdInstrument);
+            let split = fit.three_cornered.expect("three instruments");
+            let mut said = Said::default();
+            of_elements(&report, &mut said);
+            own("reference", &scene.reference, &split.reference, &mut said);
+            own("test", &scene.test, &split.test, &mut said);
+            own("third", scene.third.as_ref().expect("a third"), &split.third, &mut said);
+            said.holds("goodness at 5 %", split.goodness_p > 0.05);
+            said
+        });
         let has_flicker = name.ends_with("flicker");
         let judged = |key: &str| {
             let of_good = name.ends_with("test instrument") && key.starts_with("test");
             !key.ends_with("pulled") && !of_good && (has_flicker || !key.ends_with("Hz"))
         };
-        let (mut outside, _) = shares(name, &all, HOLD, judged);
-        outside.extend(shares(name, &all, AT_LEAST, |key| !judged(key) && !key.ends_with("pulled")).0);
-        assert!(outside.is_empty(), "{name}: {}", outside.join(", "));
+        let mut outside_band = outside(&shares, HOLD, judged);
+        outside_band.extend(outside(&shares, AT_LEAST, |key| !judged(key) && !key.ends_with("pulled")));
+        assert!(outside_band.is_empty(), "{name}: {}", outside_band.join(", "));
     }
 }
 
 fn rows(value: &Value) -> Vec<Vec<f64>> {
-    serde_json::from_value(value.clone()).expect("rows of numbers")
+    list(value).iter().map(numbers).collect()
 }
 
 /// White noise, the reference's known: what SciPy's orthogonal distance regression finds.
 #[test]
 fn orthogonal_distance_regression_of_scipy() {
-    let text = testkit::read_fixture("reference/diffmag_reference_noise.json");
-    let expected: Value = serde_json::from_str(&text).expect("the fixture is JSON");
+    let expected = reference("diffmag_reference_noise");
     let (reference, test) = (rows(&expected["reference"]), rows(&expected["test"]));
-    let step_s = expected["step_s"].as_f64().expect("a step");
+    let step_s = number(&expected["step_s"]);
     let time: Vec<f64> = (0..test[0].len()).map(|row| row as f64 * step_s).collect();
-    let mut recording =
-        Recording { id: "pair".into(), procedure: procedure::DIFFERENTIAL.into(), ..Recording::default() };
-    recording.columns.insert("time_s".into(), time.into());
-    let noise: Vec<f64> = serde_json::from_value(expected["reference_white_rms_nt"].clone()).expect("three");
+    let mut recording = recording("pair", &time, Vec::new());
+    let noise = numbers(&expected["reference_white_rms_nt"]);
     let mut declared = PerAxis::default();
     for axis in Axis::ALL {
         let i = axis.index();
@@ -323,18 +259,14 @@ fn orthogonal_distance_regression_of_scipy() {
         *declared.entry(axis) = Some(Noise { white_rms_nt: Some(noise[i]), ..Noise::default() });
     }
     recording.conditions.reference_noise = Some(common::NoiseOfSensors::Each(Box::new(declared)));
-    let document = Document { recordings: vec![recording], ..Document::default() };
-    let done = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
-    let found = done.calibration.and_then(|c| c.differential).expect("a fit");
+    let found = found(&document(vec![recording]), false);
     let (matrix, covariance) = (found.matrix.expect("a matrix"), found.covariance.expect("a covariance"));
     let [eta, std] = ["matrix", "std"].map(|key| rows(&expected[key]));
     let mut worst = [0.0_f64; 2];
-    for i in 0..3 {
-        for j in 0..3 {
-            let stated = covariance[3 * j + i][3 * j + i].sqrt();
-            worst[0] = worst[0].max((matrix[i][j] - eta[i][j]).abs());
-            worst[1] = worst[1].max((stated / std[i][j] - 1.0).abs());
-        }
+    for (_, i, j) in elements() {
+        let stated = covariance[3 * j + i][3 * j + i].sqrt();
+        worst[0] = worst[0].max((matrix[i][j] - eta[i][j]).abs());
+        worst[1] = worst[1].max((stated / std[i][j] - 1.0).abs());
     }
     println!("differences: matrix {:.1e}, uncertainties {:.1e} of them", worst[0], worst[1]);
     // White noise throughout: the weights are all alike. SciPy's steps end at about 1e-9.
@@ -347,7 +279,7 @@ fn orthogonal_distance_regression_of_scipy() {
 #[test]
 fn no_noise_pulls_farther_than_the_bound() {
     let shares = [0.0, 0.2, 0.5, 0.9, 1.0];
-    let held: Vec<(f64, f64)> = (0..campaigns())
+    let held: Vec<(f64, f64)> = (0..testkit::campaigns(2))
         .into_par_iter()
         .map(|seed| {
             let share = shares[seed as usize % shares.len()];
@@ -355,17 +287,13 @@ fn no_noise_pulls_farther_than_the_bound() {
                 json!({"white_rms_nt": 0.1 * f64::sqrt(share), "flicker_nt2_per_hz_at_1hz": 5e-4 * share})
             };
             let scene = Scene::new(part(share), part(1.0 - share), None);
-            let found = scene.calibrated(seed, None);
-            let report = found.fit.expect("a fit").reference_noise.expect("a report");
-            let mut beyond = 0.0_f64;
-            let mut bounds = 0.0_f64;
-            for (i, from) in Axis::ALL.into_iter().enumerate() {
-                for (j, to) in Axis::ALL.into_iter().enumerate() {
-                    let element = &report.elements[&format!("{from}{to}")];
-                    let off = (element.pulled - ETA[i][j]).abs() - element.largest_pull;
-                    beyond = beyond.max(off / element.pulled_std);
-                    bounds = bounds.max(element.largest_pull_over_std);
-                }
+            let report = scene.fit(seed, None).reference_noise.expect("a report");
+            let (mut beyond, mut bounds) = (0.0_f64, 0.0_f64);
+            for (name, i, j) in elements() {
+                let element = &report.elements[&name];
+                let off = (element.pulled - ETA[i][j]).abs() - element.largest_pull;
+                beyond = beyond.max(off / element.pulled_std);
+                bounds = bounds.max(element.largest_pull_over_std);
             }
             (beyond, bounds)
         })

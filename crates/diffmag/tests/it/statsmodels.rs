@@ -3,12 +3,12 @@
 
 use common::{Axis, Document};
 use serde_json::Value;
-use testkit::reference::{numbers, reference};
+use testkit::reference::{number, numbers, reference};
+
+use crate::answers;
 
 fn fit(case: &Value) -> common::DifferentialFit {
-    let document = Document::parse(&case["document"].to_string()).expect("a document");
-    let found = diffmag::run(document, &diffmag::Options::default()).expect("fitted");
-    *found.calibration.and_then(|c| c.differential?.fit).expect("a fit")
+    answers::fit(&Document::parse(&case["document"].to_string()).expect("a document"))
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn coefficients_intervals_and_newey_west() {
             );
         }
         let axis = fit.axes.get(to).expect("an axis");
-        assert!((axis.rms_nt / expected["rms"].as_f64().expect("rms") - 1.0).abs() < 1e-9);
+        assert!((axis.rms_nt / number(&expected["rms"]) - 1.0).abs() < 1e-9);
         for (found, expected) in
             axis.rms_interval_independent_nt.iter().zip(numbers(&expected["rms_interval"]))
         {

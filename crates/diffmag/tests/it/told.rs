@@ -2,7 +2,13 @@
 
 use common::{Axis, Contribution, ContributionCause, DifferentialFit};
 
-use crate::pair_in_time::{Made, document, found};
+use crate::answers::{found, off};
+use crate::pair_in_time::{Made, document};
+
+/// A pair of a day and a half.
+fn made(seed: u64, offset_s: f64) -> Made {
+    Made { rows: 2160, offset_s, ..Made::new(seed) }
+}
 
 fn fit(made: &Made, correct_clock: bool) -> DifferentialFit {
     *found(&document(vec![made.both("pair", 0..made.rows)]), correct_clock).fit.expect("a fit")
@@ -19,15 +25,18 @@ fn of(fit: &DifferentialFit, cause: ContributionCause) -> &Contribution {
 /// pair with a clock that is right.
 #[test]
 fn a_clock_is_told_with_what_it_does() {
-    let right = fit(&Made::new(5), false);
+    let right = fit(&made(5, 0.0), false);
     assert!(
         right.contributions.iter().all(|one| one.cause != ContributionCause::Clock),
         "{:?}",
         right.contributions
     );
     for (offset_s, word) in [(30.0, "late"), (-30.0, "early")] {
-        let made = Made { offset_s, ..Made::new(5) };
-        let [left, corrected] = [false, true].map(|correct| fit(&made, correct));
+        let [left, corrected] = [false, true].map(|correct| fit(&made(5, offset_s), correct));
+        // Without the correction the clocks' difference is still told in full.
+        let clock = left.clock.as_ref().expect("a clock");
+        assert!(!clock.corrected && clock.left_offset_s.is_none() && left.answer.contains("--correct-clock"));
+        assert!(off(&clock.offset_s, offset_s).abs() < 4.0, "{clock:?}");
         for one in [&left, &corrected] {
             assert!(one.answer.contains(&format!(" s {word}")), "{}", one.answer);
             assert!(!one.answer.contains('−'), "{}", one.answer);
@@ -53,11 +62,10 @@ fn a_clock_is_told_with_what_it_does() {
 /// The largest contribution comes first, and where nothing adds to the difference the matrix is the answer.
 #[test]
 fn contributions_fall_and_a_good_pair_is_told_by_its_matrix() {
-    let good = fit(&Made::new(7), false);
+    let good = fit(&made(7, 0.0), false);
     assert!(good.answer.starts_with("the matrix leaves "), "{}", good.answer);
-    let made = Made { offset_s: 30.0, ..Made::new(7) };
-    let mut recording = made.both("pair", 0..made.rows);
-    recording.columns["test_z_nt"][2000..].iter_mut().for_each(|value| *value += 40.0);
+    let mut recording = made(7, 30.0).both("pair", 0..2160);
+    recording.columns["test_z_nt"][1000..].iter_mut().for_each(|value| *value += 40.0);
     let stepped = *found(&document(vec![recording]), true).fit.expect("a fit");
     let causes: Vec<_> = stepped.contributions.iter().map(|one| one.cause).collect();
     assert_eq!(causes[..2], [ContributionCause::Steps, ContributionCause::Clock], "{:?}", stepped.findings);
@@ -73,7 +81,7 @@ fn contributions_fall_and_a_good_pair_is_told_by_its_matrix() {
 /// Series for plots hold what the fit leaves, means of neighbours in order.
 #[test]
 fn series_are_means_of_what_is_left() {
-    let fit = fit(&Made { offset_s: 30.0, ..Made::new(9) }, true);
+    let fit = fit(&made(9, 30.0), true);
     let along: Vec<&str> = fit.series.iter().map(|series| series.along.as_str()).collect();
     assert_eq!(along, ["time_s", "field_rate_nt_per_s"].repeat(3));
     for series in &fit.series {

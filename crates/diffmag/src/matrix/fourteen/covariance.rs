@@ -1,13 +1,13 @@
 //! Uncertainty to first order (JCGM 100, 5.2), with exact derivatives and a rule for azimuths of vertical
 //! axes.
 
-use nalgebra::{Matrix2, Matrix3, SMatrix, SVector, Vector2, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use num_dual::Dual64;
 
 use super::closed;
 use super::known::{KnownAxes, KnownFive, LOOSE_RAD};
 use super::pair::Pair;
-use super::parameters::{ANGLES, BETA, EtaCovariance, Fourteen, NAMES, RATIOS, Tilt};
+use super::parameters::{ANGLES, BETA, EtaCovariance, Fourteen, NAMES, RATIOS};
 
 /// π/√3, rad: the standard deviation of an azimuth that may be any.
 pub const UNDETERMINED_RAD: f64 = 1.813_799_364_234_217_8;
@@ -43,10 +43,6 @@ pub(super) fn propagate(
     let jacobian = &derivatives.parameters;
     let covariance = jacobian * given * jacobian.transpose();
     let mut covariance = (covariance + covariance.transpose()) * 0.5;
-    let tilt = |k: usize| {
-        let rows = &derivatives.horizontal[k];
-        Tilt { value: horizontal(pair, k), covariance: rows * given * rows.transpose() }
-    };
 
     let mut values = pair.parameters();
     let mut undetermined = Vec::new();
@@ -55,14 +51,15 @@ pub(super) fn propagate(
             (values[azimuth], values[polar]) = (*alpha, *gamma);
             continue;
         }
-        let lost = horizontal(pair, k).norm() < POLE;
+        let lost = pair.axes[k].xy().norm() < POLE;
         if lost || covariance[(azimuth, azimuth)] > LOOSE_RAD * LOOSE_RAD {
             for place in [azimuth, polar] {
                 covariance.row_mut(place).fill(0.0);
                 covariance.column_mut(place).fill(0.0);
             }
             covariance[(azimuth, azimuth)] = UNDETERMINED_RAD * UNDETERMINED_RAD;
-            covariance[(polar, polar)] = mean_square(&tilt(k).covariance);
+            let tilt = &derivatives.horizontal[k];
+            covariance[(polar, polar)] = (tilt * given * tilt.transpose()).trace();
             undetermined.push(NAMES[azimuth]);
         }
     }
@@ -71,21 +68,9 @@ pub(super) fn propagate(
         values,
         covariance,
         undetermined,
-        reference_tilt: tilt(0),
-        test_tilt: tilt(3),
         cosines: pair.cosines(),
         cosine_uncertainties: std::array::from_fn(|k| spread[(k, k)].max(0.0).sqrt()),
     }
-}
-
-/// The mean square of a tilt about the value found.
-fn mean_square(covariance: &Matrix2<f64>) -> f64 {
-    covariance.trace()
-}
-
-/// The horizontal part of an axis of the pair.
-fn horizontal(pair: &Pair, k: usize) -> Vector2<f64> {
-    pair.axes[k].xy()
 }
 
 /// One run of the closed form for each given number, that number carrying the derivative.

@@ -63,7 +63,6 @@ impl<T: Real> Pair<T> {
 }
 
 impl Pair {
-    /// From the fourteen parameters.
     pub fn of_parameters(parameters: &[f64; 14]) -> Self {
         Self {
             beta: parameters[BETA],
@@ -85,7 +84,6 @@ impl Pair {
         values
     }
 
-    /// Whether every number is finite.
     pub fn is_finite(&self) -> bool {
         let axes = self.axes.iter().flat_map(|axis| axis.iter());
         axes.chain(&self.ratios).chain([&self.beta]).all(|value| value.is_finite())
@@ -98,12 +96,10 @@ pub(super) fn axis<T: Real>(azimuth: T, polar: T) -> Vector3<T> {
     Vector3::new(azimuth.sin() * sin, azimuth.cos() * sin, polar.cos())
 }
 
-/// a · b.
 pub(super) fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// a × b.
 pub(super) fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
     Vector3::new(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 }

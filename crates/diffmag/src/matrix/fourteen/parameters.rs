@@ -1,13 +1,10 @@
 //! The fourteen parameters with their covariance, and where each stands.
 
-use nalgebra::{Matrix2, SMatrix, Vector2};
+use nalgebra::SMatrix;
 
 /// Covariance of η, elements column after column: η_xx, η_yx, η_zx, η_xy, … (first letter the reference's
 /// axis, second the test's), each in the square of K_t/K_r.
 pub type EtaCovariance = SMatrix<f64, 9, 9>;
-
-/// Covariance of the fourteen parameters.
-pub type FourteenCovariance = SMatrix<f64, 14, 14>;
 
 /// The parameters by name, in the order of every array of fourteen: angles in rad, ratios of K without unit.
 pub const NAMES: [&str; 14] = [
@@ -34,15 +31,6 @@ pub const BETA: usize = 1;
 /// Place of the first of the five ratios.
 pub const RATIOS: usize = 9;
 
-/// The horizontal part of an axis that is nominally vertical: well defined where its azimuth is not.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Tilt {
-    /// Along x (sin γ sin α, or sin θ sin φ) and along y (sin γ cos α, or sin θ cos φ): rad where small.
-    pub value: Vector2<f64>,
-    /// Its covariance.
-    pub covariance: Matrix2<f64>,
-}
-
 /// What η and the five known values say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fourteen {
@@ -50,15 +38,11 @@ pub struct Fourteen {
     /// given.
     pub values: [f64; 14],
     /// Their covariance to first order.
-    pub covariance: FourteenCovariance,
+    pub covariance: SMatrix<f64, 14, 14>,
     /// The azimuths (α, φ_x, φ_y, φ_z) that are not determined, because the axis is vertical within four
     /// standard uncertainties: their standard uncertainty is [`super::UNDETERMINED_RAD`], and they correlate
     /// with nothing.
     pub undetermined: Vec<&'static str>,
-    /// The tilt of the reference's z.
-    pub reference_tilt: Tilt,
-    /// The tilt of the test's z.
-    pub test_tilt: Tilt,
     /// Cosines of the angles between axes: x·y, y·z, x·z of the reference, then of the test instrument.
     pub cosines: [f64; 6],
     /// Their standard uncertainties.
@@ -66,11 +50,6 @@ pub struct Fourteen {
 }
 
 impl Fourteen {
-    /// Names of the values, in their order.
-    pub fn names() -> &'static [&'static str; 14] {
-        &NAMES
-    }
-
     /// Standard uncertainties of the values: roots of the covariance's diagonal.
     pub fn uncertainties(&self) -> [f64; 14] {
         std::array::from_fn(|i| self.covariance[(i, i)].sqrt())
