@@ -17,9 +17,9 @@ use nalgebra::{Matrix3, Vector3};
 use physics::Basic;
 
 use crate::Error;
+use crate::directions::{frame, unmixed};
 use crate::model::{NINE, cosines};
 use crate::solved::Solved;
-use crate::weakest::frame;
 
 /// What is said of sensors on a body whose own calibration is not known.
 pub const INCLUDED: &str = "offsets, sensitivities and angles include the iron of the body on which the sensors are mounted: to separate the two, also record the sensors away from it (conditions.mounted: false), or give --known with their own calibration";
@@ -63,7 +63,7 @@ pub fn stated(document: &Document) -> Result<(), Error> {
 /// h over the magnitude, and the six elements of H − 1.
 fn iron(own: &[f64], both: &[f64], like: &Matrix3<f64>) -> [f64; NINE] {
     let mu = frame(&own.to_vec(), like);
-    let unmix = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    let unmix = unmixed(&mu);
     let lengths = Vector3::from_fn(|axis, _| own[axis] / both[axis]);
     let offsets = Vector3::from_fn(|axis, _| own[3 + axis] - lengths[axis] * both[3 + axis]);
     let hard = unmix * offsets;

@@ -11,7 +11,7 @@ use crate::read::Series;
 /// Fewer rows that repeat the one before are not left out or told.
 const LEAST: u64 = 5;
 /// A logger repeats readings where more than one row in so many does.
-const OFTEN: usize = 10;
+const OFTEN: u64 = 10;
 /// Rows are disturbed that are as far from the rest with this probability by chance, among all of them.
 const DISTURBED: f64 = 0.01;
 /// Within so many standard deviations no row is disturbed.
@@ -44,22 +44,25 @@ pub fn saturated(by_sensor: [u64; 3]) -> Vec<(String, u64)> {
 
 /// Keeps some of the rows.
 pub fn retain(series: &mut Series, keep: &[bool]) {
-    if keep.iter().all(|keep| *keep) {
-        return;
-    }
-    let of = |column: &[f64]| {
-        column.iter().zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| *value).collect()
-    };
-    series.rows = series.rows.iter().zip(keep).filter(|(_, keep)| **keep).map(|(row, _)| *row).collect();
-    series.time_s = series.time_s.as_deref().map(of);
-    series.readings = series.readings.each_ref().map(|column| of(column));
-    series.magnitude_nt = of(&series.magnitude_nt);
+    series.rows = those(&series.rows, keep);
+    series.time_s = series.time_s.as_ref().map(|time| those(time, keep));
+    series.readings = series.readings.each_ref().map(|column| those(column, keep));
+    series.magnitude_nt = those(&series.magnitude_nt, keep);
 }
 
-/// Rows of a stream that repeat the one before in all three sensors, in a sentence; a logger that froze
-/// repeats many.
+/// Those of the values of rows that are kept.
+pub fn those<T: Copy>(column: &[T], keep: &[bool]) -> Vec<T> {
+    column.iter().zip(keep).filter(|(_, keep)| **keep).map(|(value, _)| *value).collect()
+}
+
+/// Whether so many rows repeat the one before in all three sensors that they are no accident.
+fn frozen(count: u64, rows: u64) -> bool {
+    count * OFTEN > rows && count > LEAST
+}
+
+/// Rows of a stream that repeat the one before, in a sentence; a logger that froze repeats many.
 pub fn repeats(count: u64, rows: u64) -> Option<String> {
-    (count * 10 > rows && count > LEAST).then(|| {
+    frozen(count, rows).then(|| {
         format!(
             "{} of {rows} repeat the previous row in all three sensors: repeated readings make the uncertainties too small. Is the logger faster than the sensors?",
             counted(count as usize, "row")
@@ -67,18 +70,16 @@ pub fn repeats(count: u64, rows: u64) -> Option<String> {
     })
 }
 
-/// Leaves out rows that repeat the one before in all three sensors, where there are many; gives how many. A
-/// logger that reads faster than the sensors repeats readings: they say nothing new, and are those of an
-/// earlier moment.
-pub fn without_repeated(series: &mut [Series]) -> usize {
+/// Leaves out rows that repeat the one before, where there are many; gives how many. A logger that reads
+/// faster than the sensors repeats readings: they say nothing new, and are those of an earlier moment.
+pub fn without_repeated(series: &mut [Series]) -> u64 {
     let fresh = |one: &Series| -> Vec<bool> {
-        let same = |row: usize| one.readings.iter().all(|column| column[row] == column[row - 1]);
-        (0..one.len()).map(|row| row == 0 || !same(row)).collect()
+        (0..one.len()).map(|row| row == 0 || one.reading(row) != one.reading(row - 1)).collect()
     };
     let keep: Vec<Vec<bool>> = series.iter().map(fresh).collect();
     let rows: usize = series.iter().map(Series::len).sum();
-    let count = keep.iter().flatten().filter(|keep| !**keep).count();
-    if count * OFTEN <= rows || count as u64 <= LEAST {
+    let count = keep.iter().flatten().filter(|keep| !**keep).count() as u64;
+    if !frozen(count, rows as u64) {
         return 0;
     }
     series.iter_mut().zip(&keep).for_each(|(one, keep)| retain(one, keep));

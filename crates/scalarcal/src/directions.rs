@@ -2,11 +2,26 @@
 
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-use crate::model::{Model, NINE, Parameter, State};
-use crate::weakest::frame;
+use crate::model::{Model, NINE, Parameter, State, cosines};
 
 /// Step of the derivative of μ by a cosine.
 const STEP: f64 = 1e-6;
+
+/// μ⁻ᵀ: the field by what is read along the sensors.
+pub fn unmixed(mu: &Matrix3<f64>) -> Matrix3<f64> {
+    mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity)
+}
+
+/// μ, the directions of the sensors with these cosines: of all turns of them together, which the magnitude
+/// does not show, the one that is nearest to `like`, which may be left-handed.
+pub fn frame(state: &State, like: &Matrix3<f64>) -> Matrix3<f64> {
+    let own = cosines(state);
+    // Cholesky's factor has unit vectors with these cosines as its columns.
+    let Some(factor) = own.cholesky() else { return *like };
+    let columns = factor.l().transpose();
+    let hand = like.determinant().signum();
+    hand * Rotation3::from_matrix(&(hand * like * columns.transpose())).into_inner() * columns
+}
 
 /// μ after a step: the nine as they are now, nearest to μ before, and the turn.
 pub fn turned(state: &State, before: usize, mu: &Matrix3<f64>) -> Matrix3<f64> {

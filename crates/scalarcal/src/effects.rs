@@ -2,13 +2,14 @@
 //! taken off.
 
 use common::{Axis, Document};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 use physics::{
     Acts, Basic, EffectInstance, Kind, Parameter as Derivative, References, Role, Setting, Stage, predict,
     predict_with_jacobian,
 };
 
 use crate::design::Scales;
+use crate::directions::unmixed;
 use crate::model::Parameter;
 use crate::read::Series;
 use crate::{Error, Options};
@@ -68,12 +69,18 @@ fn columns(document: &Document, kind: Kind) -> Vec<String> {
 
 /// Parameters of effects, and for each recording the columns that they follow, nT.
 pub struct Following {
-    /// One for each parameter of each effect.
     pub parameters: Vec<Parameter>,
     /// What one unit of the state is in the unit of the parameter.
     pub units: Vec<f64>,
     /// Columns, each with an rms of the typical magnitude.
     pub columns: Vec<Vec<Vec<f64>>>,
+}
+
+impl Following {
+    /// No effects, in so many recordings.
+    pub fn nothing(recordings: usize) -> Self {
+        Self { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); recordings] }
+    }
 }
 
 /// What effects add, by how the chain's readings move with their parameters where the field is what the
@@ -95,18 +102,19 @@ pub fn following(
     // contributions[recording][parameter][sensor][row], nT for one unit of the parameter.
     let mut contributions: Vec<Vec<[Vec<f64>; 3]>> = Vec::new();
     for one in series {
-        let (setting, sensors) = setting(document, one, basic)?;
+        let setting = setting(document, one, basic)?;
         let refused = |error: physics::Error| error.at(&one.path());
         let (_, moved) = predict_with_jacobian(&setting.basic, effects, &setting.context, &derivatives)
             .map_err(refused)?;
         // What is read too much by e makes the output larger by e/k.
         let of = |along: &[Vector3<f64>]| -> [Vec<f64>; 3] {
-            std::array::from_fn(|axis| one.rows.iter().map(|row| along[*row][axis] * sensors[axis]).collect())
+            std::array::from_fn(|axis| {
+                one.rows.iter().map(|row| along[*row][axis] * basic.sensors[axis].sensitivity).collect()
+            })
         };
         contributions.push(moved.iter().map(|prediction| of(&prediction.readings)).collect());
     }
-    let mut found =
-        Following { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); series.len()] };
+    let mut found = Following::nothing(series.len());
     let rows: f64 = series.iter().map(|one| one.len() as f64).sum();
     for (place, number) in numbers.iter().enumerate() {
         let rms: [f64; 3] = std::array::from_fn(|axis| {
@@ -164,16 +172,12 @@ fn shared(columns: &mut [Vec<Vec<f64>>], column: Vec<Vec<f64>>, size: f64) -> (u
     (count, 1.0)
 }
 
-/// A recording in the field that its sensors read by a chain, which holds in SEN; and the sensitivities.
-fn setting<'a>(
-    document: &'a Document,
-    series: &Series,
-    basic: &Basic,
-) -> Result<(Setting<'a>, [f64; 3]), Error> {
+/// A recording in the field that its sensors read by a chain, which holds in SEN.
+fn setting<'a>(document: &'a Document, series: &Series, basic: &Basic) -> Result<Setting<'a>, Error> {
     let recording = &document.recordings[series.index];
     let refused = |error: physics::Error| error.at(&series.path());
     let mut setting = Setting::of(document, recording, References::of(document)).map_err(refused)?;
-    let unmix = basic.mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    let unmix = unmixed(&basic.mu);
     let rows = setting.context.rows;
     let mut field = vec![Vector3::repeat(f64::NAN); rows];
     for (place, row) in series.rows.iter().enumerate() {
@@ -193,7 +197,7 @@ fn setting<'a>(
     setting.context.ambient_nt = field;
     setting.context.in_coils = false;
     setting.basic = basic.clone();
-    Ok((setting, basic.sensors.map(|sensor| sensor.sensitivity)))
+    Ok(setting)
 }
 
 /// The readings without what the effects of the model add, at the field that they mean by a chain.
@@ -205,14 +209,11 @@ pub fn taken_off(
 ) -> Result<Vec<Series>, Error> {
     let mut all = series.to_vec();
     for (one, with) in all.iter_mut().zip(series) {
-        let (setting, _) = setting(document, with, basic)?;
-        let acting: Vec<EffectInstance> = effects
-            .iter()
-            .filter(|effect| {
-                effect.acts(setting.context.recording) && effect.kind.about().stage >= Stage::Block
-            })
-            .cloned()
-            .collect();
+        let setting = setting(document, with, basic)?;
+        let acts = |effect: &&EffectInstance| {
+            effect.acts(setting.context.recording) && effect.kind.about().stage >= Stage::Block
+        };
+        let acting: Vec<EffectInstance> = effects.iter().filter(acts).cloned().collect();
         if acting.is_empty() {
             continue;
         }

@@ -11,6 +11,8 @@ const PILED_UP: u64 = 5;
 const LEAST: u64 = 5;
 /// Which way the ends lie.
 const SIGNS: [f64; 2] = [1.0, -1.0];
+/// All six ends.
+const ALL: At = 0b11_1111;
 
 /// The furthest reading one way and the one next to it, each with how often it came.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,55 +65,28 @@ impl Ends {
 
     /// Takes a row; gives the ends at which it stands, and those that it moved.
     pub fn take(&mut self, readings: [f64; 3]) -> (At, At) {
-        let (mut at, mut moved) = (0, 0);
-        for (axis, value) in readings.into_iter().enumerate() {
-            for (side, sign) in SIGNS.into_iter().enumerate() {
-                let bit = 1 << (2 * axis + side);
-                let end = &mut self.0[axis][side];
-                match end {
-                    Some(end) => {
-                        // Most readings are neither of the two.
-                        if end.next.is_some_and(|(next, _)| sign * value < sign * next) {
-                            continue;
-                        }
-                        if end.take((value, 1), sign) {
-                            moved |= bit;
-                        }
-                        if end.first.0 == value {
-                            at |= bit;
-                        }
-                    }
-                    None => {
-                        *end = Some(End { first: (value, 1), next: None });
-                        at |= bit;
-                    }
-                }
-            }
-        }
-        (at, moved)
+        let row = Self(readings.map(|value| [Some(End { first: (value, 1), next: None }); 2]));
+        let (moved, beside) = self.merge(&row);
+        (ALL & !beside, moved)
     }
 
     /// Takes the ends of other rows; gives the ends that were moved here, and those that are not the furthest
     /// there.
     pub fn merge(&mut self, other: &Self) -> (At, At) {
         let (mut here, mut there) = (0, 0);
-        for axis in 0..3 {
-            for (side, sign) in SIGNS.into_iter().enumerate() {
-                let bit = 1 << (2 * axis + side);
-                let Some(theirs) = other.0[axis][side] else { continue };
-                match &mut self.0[axis][side] {
-                    Some(mine) => {
-                        if mine.take(theirs.first, sign) {
-                            here |= bit;
-                        } else if mine.first.0 != theirs.first.0 {
-                            there |= bit;
-                        }
-                        if let Some(next) = theirs.next {
-                            mine.take(next, sign);
-                        }
-                    }
-                    mine => *mine = Some(theirs),
-                }
+        for (place, (mine, theirs)) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()).enumerate() {
+            let (Some(theirs), sign) = (theirs, SIGNS[place % 2]) else { continue };
+            let Some(mine) = mine else {
+                *mine = Some(*theirs);
+                continue;
+            };
+            if mine.take(theirs.first, sign) {
+                here |= 1 << place;
+            } else if mine.first.0 != theirs.first.0 {
+                there |= 1 << place;
+            }
+            if let Some(next) = theirs.next {
+                mine.take(next, sign);
             }
         }
         (here, there)
@@ -119,23 +94,21 @@ impl Ends {
 
     /// The ends at which readings are piled up.
     pub fn piles(&self) -> At {
-        let is = |axis: usize, side: usize| self.0[axis][side].is_some_and(|end| end.is_pile());
-        let all = (0..3).flat_map(|axis| (0..2).map(move |side| (axis, side)));
-        all.filter(|(axis, side)| is(*axis, *side)).map(|(axis, side)| 1 << (2 * axis + side)).sum()
+        self.those(|_, end| end.is_pile())
     }
 
     /// The ends, among some, at which a row stands.
     pub fn at(&self, readings: [f64; 3], among: At) -> At {
-        let mut at = 0;
-        for (axis, value) in readings.into_iter().enumerate() {
-            for side in 0..2 {
-                let bit = 1 << (2 * axis + side);
-                if among & bit != 0 && self.0[axis][side].is_some_and(|end| end.first.0 == value) {
-                    at |= bit;
-                }
-            }
-        }
-        at
+        among & self.those(|axis, end| end.first.0 == readings[axis])
+    }
+
+    /// The ends of which something holds, by sensor and end.
+    fn those(&self, holds: impl Fn(usize, &End) -> bool) -> At {
+        let ends = self.0.iter().flatten().enumerate();
+        let of = |(place, end): (usize, &Option<End>)| {
+            At::from(end.as_ref().is_some_and(|end| holds(place / 2, end))) << place
+        };
+        ends.map(of).sum()
     }
 
     /// The largest and the smallest reading of a sensor.
@@ -147,8 +120,7 @@ impl Ends {
     /// Whether all are finite numbers, after reading them from outside.
     pub fn is_whole(&self) -> bool {
         let all = self.0.iter().flatten().flatten();
-        let numbers = |end: &End| end.first.0.is_finite() && end.next.is_none_or(|next| next.0.is_finite());
-        all.into_iter().all(numbers)
+        all.flat_map(|end| [Some(end.first), end.next]).flatten().all(|(value, _)| value.is_finite())
     }
 }
 

@@ -1,5 +1,6 @@
 //! The triangular factor of the rows that were taken, and how many they are.
 
+use common::covariance;
 use estimate::triangle::Triangle;
 use faer::Mat;
 use serde::{Deserialize, Serialize};
@@ -13,12 +14,43 @@ pub const BLOCK: usize = 512;
 pub struct Factor {
     rows: u64,
     triangle: Triangle,
+    /// Rows that are not yet in the triangle, one after the other.
+    #[serde(skip)]
+    waiting: Vec<f64>,
 }
 
 impl Factor {
     /// No rows of so many columns.
     pub fn new(columns: usize) -> Self {
-        Self { rows: 0, triangle: Triangle::new(columns) }
+        Self { rows: 0, triangle: Triangle::new(columns), waiting: Vec::new() }
+    }
+
+    /// Takes a row. What is asked of the factor waits for [`Self::finish`].
+    pub fn row(&mut self, values: impl IntoIterator<Item = f64>) {
+        self.waiting.extend(values);
+        self.rows += 1;
+        if self.waiting.len() == BLOCK * self.triangle.columns() {
+            self.settle();
+        }
+    }
+
+    /// With all rows in the triangle.
+    pub fn finish(mut self) -> Self {
+        self.settle();
+        self.waiting = Vec::new();
+        self
+    }
+
+    fn settle(&mut self) {
+        let columns = self.triangle.columns();
+        let fill = |j: usize, below: &mut [f64]| {
+            below
+                .iter_mut()
+                .zip(self.waiting[j..].iter().step_by(columns))
+                .for_each(|(to, value)| *to = *value);
+        };
+        self.triangle.take(self.waiting.len() / columns, fill);
+        self.waiting.clear();
     }
 
     /// Of parts, in their order.
@@ -30,20 +62,24 @@ impl Factor {
 
     /// Takes what another factor has taken.
     pub fn join(&mut self, other: &Self) {
-        if self.rows == 0 {
-            self.clone_from(other);
-        } else if other.rows > 0 {
+        let columns = self.triangle.columns();
+        let waiting = other.waiting.chunks_exact(columns);
+        let settled = other.rows - waiting.len() as u64;
+        if self.rows == (self.waiting.len() / columns) as u64 {
+            self.triangle.clone_from(&other.triangle);
+        } else if settled > 0 {
             let fill = |j: usize, below: &mut [f64]| {
                 (0..=j).for_each(|i| below[i] = other.triangle.at(i, j));
             };
-            self.triangle.take(self.triangle.columns(), fill);
-            self.rows += other.rows;
+            self.triangle.take(columns, fill);
         }
+        self.rows += settled;
+        waiting.for_each(|row| self.row(row.iter().copied()));
     }
 
     /// The same rows with each column times a factor.
     pub fn scaled(&self, by: &[f64]) -> Self {
-        Self { rows: self.rows, triangle: self.triangle.scaled(by) }
+        Self { rows: self.rows, triangle: self.triangle.scaled(by), waiting: Vec::new() }
     }
 
     /// Whether it is a factor of so many columns of finite numbers, after reading it from outside.
@@ -53,12 +89,10 @@ impl Factor {
             && (0..columns).all(|j| (0..=j).all(|i| self.triangle.at(i, j).is_finite()))
     }
 
-    /// Rows taken.
     pub fn rows(&self) -> u64 {
         self.rows
     }
 
-    /// U as a matrix.
     pub fn upper(&self) -> Mat<f64> {
         self.triangle.upper()
     }
@@ -69,53 +103,12 @@ impl Factor {
     }
 }
 
-/// Takes rows one by one into a factor, a block at a time.
-pub struct Filling {
-    factor: Factor,
-    columns: usize,
-    /// Column by column, each with room for a block.
-    block: Vec<f64>,
-    /// Rows of the block.
-    rows: usize,
-}
-
-impl Filling {
-    /// No rows of so many columns.
-    pub fn new(columns: usize) -> Self {
-        Self { factor: Factor::new(columns), columns, block: vec![0.0; columns * BLOCK], rows: 0 }
+/// Rows as they are, or where they are more than their columns as the rows of their factor.
+pub fn compressed(rows: Vec<Vec<f64>>, columns: usize) -> Vec<Vec<f64>> {
+    if rows.len() <= columns {
+        return rows;
     }
-
-    /// Takes a row.
-    pub fn row(&mut self, values: impl IntoIterator<Item = f64>) {
-        let places = self.block.iter_mut().skip(self.rows).step_by(BLOCK);
-        places.zip(values).for_each(|(place, value)| *place = value);
-        self.rows += 1;
-        if self.rows == BLOCK {
-            self.flush();
-        }
-    }
-
-    /// Takes the rows of another.
-    pub fn take(&mut self, other: Self) {
-        self.factor.join(&other.factor);
-        for row in 0..other.rows {
-            self.row((0..self.columns).map(|column| other.block[column * BLOCK + row]));
-        }
-    }
-
-    fn flush(&mut self) {
-        let rows = self.rows;
-        if rows > 0 {
-            let of = |j: usize| &self.block[j * BLOCK..j * BLOCK + rows];
-            self.factor.triangle.take(rows, |j, below| below.copy_from_slice(of(j)));
-            self.factor.rows += rows as u64;
-            self.rows = 0;
-        }
-    }
-
-    /// The factor of all rows.
-    pub fn finish(mut self) -> Factor {
-        self.flush();
-        self.factor
-    }
+    let mut factor = Factor::new(columns);
+    rows.into_iter().for_each(|row| factor.row(row));
+    covariance::rows(&factor.finish().upper())
 }

@@ -2,9 +2,8 @@
 
 use common::{Axis, procedure};
 use partial::{Series, Take};
-use physics::Unit;
 
-use crate::read::Source;
+use crate::read::{Source, columns, unit_of};
 use crate::stream::{self, Batch, Partial, Statistics};
 
 /// Sensors beside the magnitude of the field, in the columns of a table or a recording.
@@ -13,14 +12,12 @@ pub struct Columns;
 
 impl Series for Columns {
     type Partial = Partial;
-    type Take = Rows;
+    type Take = Statistics;
     const PROCEDURE: &'static str = procedure::FREE_RUN;
 
-    fn begin(&self, there: &[String]) -> Result<(Vec<String>, Rows), String> {
+    fn begin(&self, there: &[String]) -> Result<(Vec<String>, Statistics), String> {
         let has = |name: &String| there.contains(name);
-        let sensors = |unit: &Unit| Axis::ALL.map(|axis| format!("sensor_{axis}_{}", unit.suffix()));
-        let unit = [Unit::Volt, Unit::Nanotesla].into_iter().find(|unit| sensors(unit).iter().all(has));
-        let unit = unit.ok_or("`sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`)")?;
+        let unit = unit_of(has).ok_or("`sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`)")?;
         let ambient = Axis::ALL.map(|axis| format!("ambient_{axis}_nt"));
         let reference = "reference_nt".to_string();
         let (source, magnitude) = if has(&reference) {
@@ -34,15 +31,12 @@ impl Series for Columns {
         if !has(&time) {
             return Err("`time_s`".into());
         }
-        let names = std::iter::once(time).chain(sensors(&unit)).chain(magnitude).collect();
-        Ok((names, Rows(Statistics::new(unit, source))))
+        let names = std::iter::once(time).chain(columns(unit)).chain(magnitude).collect();
+        Ok((names, Statistics::new(unit, source)))
     }
 }
 
-/// Takes rows.
-pub struct Rows(Statistics);
-
-impl Take for Rows {
+impl Take for Statistics {
     type Partial = Partial;
 
     fn push(&mut self, columns: &[&[f64]]) -> Result<(), stream::Error> {
@@ -58,10 +52,10 @@ impl Take for Rows {
             }
             _ => magnitude[0],
         };
-        self.0.push(&Batch { time_s, readings: [x, y, z], magnitude_nt })
+        Statistics::push(self, &Batch { time_s, readings: [x, y, z], magnitude_nt })
     }
 
     fn finish(self) -> Result<Partial, stream::Error> {
-        Ok(self.0.finish())
+        Ok(Statistics::finish(self))
     }
 }

@@ -1,7 +1,7 @@
 //! What looks wrong, in sentences.
 
+use common::ScalarCalibration;
 use common::number::{counted, p_value, significant};
-use common::{AgainstKnown, ReferenceOffset, ScalarStability};
 
 use crate::model::Parameter;
 use crate::read::Source;
@@ -15,13 +15,9 @@ const UNLIKE: f64 = 3.0;
 const OBLIQUE: f64 = 0.5;
 
 /// Sentences about a calibration.
-pub fn of(
-    solved: &Solved,
-    reference: Option<&ReferenceOffset>,
-    beforehand: Option<&AgainstKnown>,
-    stability: Option<&ScalarStability>,
-) -> Vec<String> {
+pub fn of(solved: &Solved, scalar: &ScalarCalibration) -> Vec<String> {
     let mut all = Vec::new();
+    let reference = scalar.reference_offset.as_ref();
     if let Some(reference) = reference.filter(|reference| told(reference.p_value) && !reference.fitted) {
         all.push(format!(
             "the reference reads {:+} nT too high ({}), or another error is constant with the field: a constant error of the reference biases the sensitivities. --reference-offset fits it",
@@ -29,7 +25,7 @@ pub fn of(
             p_value(reference.p_value)
         ));
     }
-    if let Some(test) = beforehand.filter(|test| told(test.p_value)) {
+    if let Some(test) = scalar.beforehand.as_ref().filter(|test| told(test.p_value)) {
         all.push(format!(
             "the readings contradict the prior calibration of the sensors (χ² = {} with {} degrees of freedom, {}): the \
              sensors have changed, the body has a field, or the reference is wrong",
@@ -38,7 +34,7 @@ pub fn of(
             p_value(test.p_value)
         ));
     }
-    if let Some(test) = stability.filter(|test| told(test.p_value)) {
+    if let Some(test) = scalar.stability.as_ref().filter(|test| told(test.p_value)) {
         all.push(format!(
             "the calibration is not constant in time: {} differ from it (F test, {}); check `stability.windows`, and temperatures and currents (--with)",
             counted(test.windows.len(), "part"),

@@ -5,6 +5,7 @@ use faer::{ColRef, Mat, RowRef, Scale, Side};
 
 use crate::Error;
 use crate::factor::Factor;
+use crate::linear::{Linear, RANK_TOLERANCE};
 use crate::model::{Model, Problem, State};
 use crate::terms::{ONE, added_by_noise};
 
@@ -17,8 +18,6 @@ const ABSENT: f64 = 1e-14;
 /// No magnetometer reads better than this share of the magnitude; less is rounding, in which no minimum would
 /// be found.
 const FINEST: f64 = 1e-9;
-/// Singular values below this share of the largest count as zero.
-const RANK_TOLERANCE: f64 = 1e-9;
 
 /// The rows, and how they err. Variances are over the square of the typical magnitude; of what is found, over
 /// that times [`Model::scale`].
@@ -30,19 +29,13 @@ pub struct Sums<'a> {
     /// The same of the reference.
     pub reference: f64,
     /// What is held because no reading shows it.
-    pub held: &'a PriorRows,
+    pub held: &'a Linear,
 }
-
-/// Independent combinations of the parameters that are known beforehand: weights over the standard deviation,
-/// and the value over it.
-pub type PriorRows = Vec<(Vec<f64>, f64)>;
 
 /// A calibration with its covariance.
 #[derive(Clone, Debug)]
 pub struct FittedState {
-    /// The parameters.
     pub state: State,
-    /// Their covariance.
     pub covariance: Mat<f64>,
     /// What the readings alone say: the whitened derivatives of the residuals as a factor of them, with what
     /// is held.
@@ -65,12 +58,7 @@ pub struct FittedState {
 /// # Errors
 ///
 /// [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] where there is no minimum.
-pub fn fit(
-    model: &Model,
-    sums: &Sums<'_>,
-    known: &PriorRows,
-    starts: &[State],
-) -> Result<FittedState, Error> {
+pub fn fit(model: &Model, sums: &Sums<'_>, known: &Linear, starts: &[State]) -> Result<FittedState, Error> {
     let count = model.parameters.len();
     let freedom = sums.plain.rows() as f64 - count as f64;
     if freedom < 1.0 {
@@ -117,7 +105,7 @@ fn scatter(found: &FittedState) -> f64 {
 fn round(
     model: &Model,
     sums: &Sums<'_>,
-    known: &PriorRows,
+    known: &Linear,
     upper: &Mat<f64>,
     (start, variance): (&State, f64),
 ) -> Result<FittedState, Error> {
@@ -125,12 +113,12 @@ fn round(
     let variance = variance.max(FINEST * FINEST);
     let declared = sums.sensor.map(|sensor| sensor / model.scale(start).powi(2));
     let sensor = declared.unwrap_or((variance - sums.reference).max(0.0));
-    let adjusted = adjusted(model, start, sums, sensor, upper) * faer::Scale(1.0 / variance.sqrt());
-    let all: PriorRows = sums.held.iter().chain(known).cloned().collect();
-    let problem = Problem { model, upper: &adjusted, known: &all };
+    let added = added(model, start, (sensor, sums.reference), sums.plain);
+    let adjusted = without(upper, added) * Scale(1.0 / variance.sqrt());
+    let problem = Problem { model, upper: &adjusted, known: &sums.held.and(known) };
     let options = Options { rank_tolerance: RANK_TOLERANCE, ..Options::default() };
     let fit = solve(&problem, start.clone(), None, &options)?;
-    let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + sums.held.len()).to_owned();
+    let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + sums.held.right.len()).to_owned();
     let seen = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
     let variance = self::variance(model, upper, &fit.state, freedom).max(FINEST * FINEST);
     Ok(FittedState {
@@ -145,11 +133,6 @@ fn round(
     })
 }
 
-/// The factor of the products without what noise adds to it.
-fn adjusted(model: &Model, state: &State, sums: &Sums<'_>, sensor: f64, upper: &Mat<f64>) -> Mat<f64> {
-    without(upper, added(model, state, (sensor, sums.reference), sums.plain))
-}
-
 /// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products
 /// of a factor.
 fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Mat<f64> {
@@ -157,7 +140,7 @@ fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &
     let scale = model.scale(state);
     (0..3).for_each(|axis| noise[axis] = sensor * (scale / state[axis]).powi(2));
     noise[model.terms.columns()] = reference;
-    let one = model.terms.place(ONE, ONE).expect("a product without F");
+    let one = model.terms.product(ONE, ONE);
     let moments = |f: usize, g: usize| model.terms.place(f, g).map_or(0.0, |place| plain.product(place, one));
     added_by_noise(&model.terms, &noise, moments)
 }

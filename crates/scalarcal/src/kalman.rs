@@ -4,8 +4,6 @@
 use common::Noise;
 use noise::{Process, Whitening};
 
-/// Sensors, each with noise of its own.
-pub const SENSORS: usize = 3;
 /// Longest period of noise with memory, in lengths of a recording: it did not begin with it. Below that
 /// frequency the density levels off: the corner of its slowest process is near 1/100T.
 const OLDEST: f64 = 8.0;
@@ -34,7 +32,7 @@ impl Memory {
     /// How many have noise of their own.
     pub fn channels(self) -> usize {
         match self {
-            Memory::Sensors | Memory::Field => SENSORS,
+            Memory::Sensors | Memory::Field => 3,
             Memory::Magnitude => 1,
         }
     }
@@ -43,19 +41,16 @@ impl Memory {
 /// Noise of one form: A/σ² and α, σ the white noise of a residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Form {
-    /// Whose.
     pub of: Memory,
     /// A over the variance of the white noise, 1/Hz at 1 Hz.
     pub ratio: f64,
-    /// α.
     pub exponent: f64,
 }
 
-/// White noise.
 pub const WHITE: Form = Form { of: Memory::Sensors, ratio: 0.0, exponent: 1.0 };
 
 /// The processes of one channel for σ = 1, and the white part that goes with them.
-pub fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
+fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
     if form.ratio <= 0.0 {
         return Some((Vec::new(), 0.0));
     }
@@ -69,30 +64,33 @@ pub fn processes(time: &[f64], form: Form) -> Option<(Vec<Process>, f64)> {
     Some((whitening.processes().to_vec(), whitening.white_nt2()))
 }
 
-/// Covariance of the states of all channels' processes given the rows before, and the gain of the last row.
-pub struct Filter<'a> {
-    processes: &'a [Process],
+/// The states of all channels' processes given the rows before, for each column of the rows.
+pub struct Filter {
+    processes: Vec<Process>,
+    white: f64,
     covariance: Vec<f64>,
-    /// What the last innovation adds to each state.
-    pub gain: Vec<f64>,
+    /// What an innovation of the last row adds to each state.
+    gain: Vec<f64>,
+    estimates: Vec<Vec<f64>>,
 }
 
-impl<'a> Filter<'a> {
-    /// At the beginning.
-    pub fn new(processes: &'a [Process], channels: usize) -> Self {
-        let states = channels * processes.len();
+impl Filter {
+    /// Before the rows of so many columns at some times, with σ = 1; None where the times are in no order.
+    pub fn new(times: &[f64], form: Form, columns: usize) -> Option<Self> {
+        let (processes, white) = processes(times, form)?;
+        let states = form.of.channels() * processes.len();
         let mut covariance = vec![0.0; states * states];
         for state in 0..states {
             covariance[state * (states + 1)] = processes[state % processes.len()].variance_nt2;
         }
-        Self { processes, covariance, gain: vec![0.0; states] }
+        let estimates = vec![vec![0.0; states]; columns];
+        Some(Self { processes, white: 1.0 + white, covariance, gain: vec![0.0; states], estimates })
     }
 
-    /// What time leaves of each state; None where none passes.
-    pub fn wait(&mut self, step_s: f64) -> Option<Vec<f64>> {
+    pub fn wait(&mut self, step_s: f64) {
         let states = self.gain.len();
         if step_s <= 0.0 || states == 0 {
-            return None;
+            return;
         }
         let one: Vec<f64> =
             self.processes.iter().map(|process| (-process.rate_per_s * step_s).exp()).collect();
@@ -102,20 +100,31 @@ impl<'a> Filter<'a> {
             row.iter_mut().zip(&kept).for_each(|(value, other)| *value *= kept[i] * other);
             row[i] += self.processes[i % one.len()].variance_nt2 * (1.0 - kept[i] * kept[i]);
         }
-        Some(kept)
+        for estimate in &mut self.estimates {
+            estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
+        }
     }
 
-    /// Takes a row that reads the channels by these factors; gives the variance of its innovation.
-    pub fn read(&mut self, along: &[f64], white: f64) -> f64 {
-        let states = self.gain.len();
-        let each = self.processes.len();
+    /// Whitens the columns of a row that reads the channels by these factors; gives the variance of an
+    /// innovation.
+    pub fn row(&mut self, along: &[f64], columns: &[f64], whitened: &mut [f64]) -> f64 {
+        let variance = self.read(along);
+        let (each, deviation) = (self.processes.len(), variance.sqrt());
+        for ((to, estimate), value) in whitened.iter_mut().zip(&mut self.estimates).zip(columns) {
+            let innovation = value - read(along, estimate, each);
+            estimate.iter_mut().zip(&self.gain).for_each(|(state, gain)| *state += gain * innovation);
+            *to = innovation / deviation;
+        }
+        variance
+    }
+
+    /// Takes a row into covariance and gain; gives the variance of its innovation.
+    fn read(&mut self, along: &[f64]) -> f64 {
+        let (states, each, white) = (self.gain.len(), self.processes.len(), self.white);
         let mut variance = white;
         for i in 0..states {
-            let row = &self.covariance[i * states..(i + 1) * states];
-            self.gain[i] = (0..along.len())
-                .map(|axis| along[axis] * row[axis * each..(axis + 1) * each].iter().sum::<f64>())
-                .sum();
-            variance += along[i / each.max(1)] * self.gain[i];
+            self.gain[i] = read(along, &self.covariance[i * states..(i + 1) * states], each);
+            variance += along[i / each] * self.gain[i];
         }
         // Negative weights of processes leave the sum positive; rounding may not.
         let variance = variance.max(1e-6 * white);
@@ -127,14 +136,12 @@ impl<'a> Filter<'a> {
         self.gain.iter_mut().for_each(|gain| *gain /= variance);
         variance
     }
+}
 
-    /// What a row reads of the states.
-    pub fn predicted(&self, along: &[f64], estimate: &[f64]) -> f64 {
-        let each = self.processes.len();
-        (0..along.len())
-            .map(|axis| along[axis] * estimate[axis * each..(axis + 1) * each].iter().sum::<f64>())
-            .sum()
-    }
+/// What a row reads of states, so many in each channel.
+fn read(along: &[f64], states: &[f64], each: usize) -> f64 {
+    let channels = along.iter().enumerate();
+    channels.map(|(k, along)| along * states[k * each..(k + 1) * each].iter().sum::<f64>()).sum()
 }
 
 #[cfg(test)]
@@ -153,7 +160,8 @@ mod tests {
         for (of, exponent) in
             [(Memory::Sensors, 0.7), (Memory::Sensors, 1.0), (Memory::Sensors, 1.5), (Memory::Magnitude, 1.0)]
         {
-            let (processes, white) = processes(&time, Form { of, ratio: 3.0, exponent }).expect("processes");
+            let form = Form { of, ratio: 3.0, exponent };
+            let (processes, white) = processes(&time, form).expect("processes");
             let read = |t: usize| &along[t][..of.channels()];
             let covariance = Mat::from_fn(rows as usize, rows as usize, |i, j| {
                 let lag = (time[i] - time[j]).abs();
@@ -166,20 +174,15 @@ mod tests {
             });
             let lower = covariance.llt(Side::Lower).expect("positive");
             let series: Vec<f64> = (0..rows).map(|t| (1.3 * f64::from(t)).cos()).collect();
-            let mut filter = Filter::new(&processes, of.channels());
-            let mut estimate = vec![0.0; of.channels() * processes.len()];
+            let mut filter = Filter::new(&time, form, 1).expect("processes");
             let mut before = time[0];
             let mut white_series = Vec::new();
             for (t, reading) in series.iter().enumerate() {
-                if let Some(kept) = filter.wait(time[t] - before) {
-                    estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
-                }
+                filter.wait(time[t] - before);
                 before = time[t];
-                let along = read(t);
-                let variance = filter.read(along, 1.0 + white);
-                let innovation = reading - filter.predicted(along, &estimate);
-                estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
-                white_series.push(innovation / variance.sqrt());
+                let mut whitened = [0.0];
+                let variance = filter.row(read(t), &[*reading], &mut whitened);
+                white_series.extend(whitened);
                 assert!((variance.sqrt() / lower.L()[(t, t)] - 1.0).abs() < 1e-9, "{t}");
             }
             for (t, reading) in series.iter().enumerate() {

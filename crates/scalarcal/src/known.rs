@@ -2,12 +2,12 @@
 
 use common::uncertainty::{self, By};
 use common::{Axis, Document, Uncertainty};
-use faer::{Mat, Side};
+use faer::{ColRef, Mat};
 use physics::{Basic, Unit};
 
 use crate::Error;
 use crate::design::Scales;
-use crate::fit::PriorRows;
+use crate::linear::{Linear, root_of_free, unit as one};
 use crate::model::{Model, NINE, PAIRS};
 use crate::start;
 
@@ -16,14 +16,13 @@ use crate::start;
 const FIXED: f64 = 1e-12;
 
 /// What a document states of the nine parameters with an uncertainty.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Beforehand {
-    /// Values.
     pub nine: [f64; NINE],
     /// Parameters of the document, with the derivatives of the nine by each.
     pub by: By,
     /// As rows of the fit: combinations over their standard deviations.
-    pub rows: PriorRows,
+    pub rows: Linear,
 }
 
 /// Of a document, for a model whose first parameters are the nine.
@@ -43,29 +42,16 @@ pub fn beforehand(
     let covariance = joint.covariance_by(&by);
     let std = |place: usize| covariance[(place, place)].max(0.0).sqrt();
     let there: Vec<usize> = (0..NINE).filter(|place| std(*place) > 0.0).collect();
+    let count = model.parameters.len();
     if there.is_empty() {
-        return Ok(Beforehand { nine, ..Beforehand::default() });
+        return Ok(Beforehand { nine, by: By::new(), rows: Linear::none(count) });
     }
-    // Scaled to a correlation, so that the units of the parameters do not decide what is fixed.
-    let correlation = Mat::from_fn(there.len(), there.len(), |a, b| {
-        covariance[(there[a], there[b])] / (std(there[a]) * std(there[b]))
-    });
-    let mut rows = PriorRows::new();
-    if let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) {
-        for k in 0..there.len() {
-            let value = own.S()[k];
-            if value <= FIXED {
-                continue;
-            }
-            let mut weights = vec![0.0; model.parameters.len()];
-            for (a, place) in there.iter().enumerate() {
-                weights[*place] = own.U()[(a, k)] / (std(*place) * value.sqrt());
-            }
-            let at: f64 = weights.iter().zip(&nine).map(|(weight, value)| weight * value).sum();
-            rows.push((weights, at));
-        }
-    }
-    Ok(Beforehand { nine, by, rows })
+    let own = Mat::from_fn(there.len(), there.len(), |a, b| covariance[(there[a], there[b])]);
+    let free = root_of_free(&own, FIXED);
+    let at = |place: usize| there.iter().position(|other| *other == place);
+    let jacobian = Mat::from_fn(free.nrows(), count, |i, place| at(place).map_or(0.0, |a| free[(i, a)]));
+    let right = (jacobian.subcols(0, NINE) * ColRef::from_slice(&nine)).iter().copied().collect();
+    Ok(Beforehand { nine, by, rows: Linear { jacobian, right } })
 }
 
 /// The derivatives of the nine by the parameters of the document.
@@ -73,11 +59,7 @@ fn derivatives(document: &Document, basic: &Basic, unit: Unit, scales: &Scales) 
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let added = |axis: Axis| axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)).is_some();
     let mut by = By::new();
-    let single = |place: usize, value: f64| {
-        let mut column = vec![0.0; NINE];
-        column[place] = value;
-        column
-    };
+    let single = |place: usize, value: f64| one(place, NINE).iter().map(|one| one * value).collect();
     for axis in Axis::ALL {
         let k = axis.index();
         by.push((uncertainty::sensitivity(axis, unit.suffix()), single(k, 1.0 / scales.sensitivity[k])));

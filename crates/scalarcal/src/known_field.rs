@@ -1,21 +1,22 @@
 //! Recordings in which the field is known with its direction.
 
-use common::{Document, covariance};
+use common::Document;
 use estimate::Svd;
 use faer::ColRef;
 use nalgebra::{Matrix3, Vector3};
 use physics::{Context, References};
 use rayon::prelude::*;
+use std::ops::Range;
 
 use crate::Error;
 use crate::design::Rows;
-use crate::factor::Filling;
+use crate::directions::unmixed;
+use crate::factor::{Factor, compressed};
 use crate::linear::RANK_TOLERANCE;
 use crate::model::{Model, State};
 use crate::moment::{About, Moment, Spread};
 use crate::noise::{Group, Groups};
 use crate::read::{Series, Source};
-use crate::solved::Solved;
 
 /// Rows that are filtered one by one; of longer recordings groups of rows are.
 const FILTERED: usize = 8192;
@@ -24,6 +25,7 @@ const CHUNK: usize = 4096;
 
 /// The known field of each recording.
 pub struct Vectors<'a> {
+    rows: Rows<'a>,
     contexts: Vec<Context<'a>>,
     /// Whether a scalar magnetometer reads beside: only what is across the field is used.
     pub scalar: bool,
@@ -43,10 +45,10 @@ pub struct Start {
 
 impl<'a> Vectors<'a> {
     /// Field and attitude of the recordings.
-    pub fn read(document: &'a Document, series: &[Series]) -> Result<Self, Error> {
+    pub fn read(document: &'a Document, rows: Rows<'a>) -> Result<Self, Error> {
         let references = References::of(document);
         let mut contexts = Vec::new();
-        for one in series {
+        for one in rows.series {
             let recording = &document.recordings[one.index];
             let refused = |error: physics::Error| error.at(&one.path());
             let context = Context::new(document, recording, references).map_err(refused)?;
@@ -55,66 +57,48 @@ impl<'a> Vectors<'a> {
                 Err(Error::document(format!("{}.columns", one.path()), found, expected))
             };
             if context.ambient_nt.len() < context.rows && context.ambient(0).norm() == 0.0 {
-                return lacks(
-                    "known field",
-                    "`ambient_x_nt`, `ambient_y_nt`, `ambient_z_nt`, in GEO, for --vector",
-                );
+                let expected = "`ambient_x_nt`, `ambient_y_nt`, `ambient_z_nt`, in GEO, for --vector";
+                return lacks("known field", expected);
             }
             let conditions = &recording.conditions;
-            if context.attitude.is_empty()
-                && conditions.orientation.is_none()
-                && conditions.theodolite.is_none()
-            {
-                return lacks(
-                    "attitude",
-                    "`attitude_w`, `attitude_x`, `attitude_y`, `attitude_z` (GEO → SEN) or `conditions.orientation`, for --vector",
-                );
+            let stated = conditions.orientation.is_some() || conditions.theodolite.is_some();
+            if context.attitude.is_empty() && !stated {
+                let expected = "`attitude_w`, `attitude_x`, `attitude_y`, `attitude_z` (GEO → SEN) or `conditions.orientation`, for --vector";
+                return lacks("attitude", expected);
             }
             contexts.push(context);
         }
-        let scalar = series.iter().all(|one| one.source == Source::Scalar);
-        Ok(Self { contexts, scalar, share: 0.0 })
+        let scalar = rows.series.iter().all(|one| one.source == Source::Scalar);
+        Ok(Self { rows, contexts, scalar, share: 0.0 })
     }
 
     /// A row of a recording; None where field or attitude are missing.
-    fn moment(
-        &self,
-        rows: &Rows<'_>,
-        model: &Model,
-        state: &State,
-        number: usize,
-        row: usize,
-    ) -> Option<Moment> {
-        let series = &rows.series[number];
-        let context = self.contexts.iter().find(|context| context.recording.id == series.id)?;
+    fn moment(&self, model: &Model, state: &State, number: usize, row: usize) -> Option<Moment> {
+        let series = &self.rows.series[number];
+        let context = &self.contexts[number];
         let rotation = context.rotation(series.rows[row]);
-        let field = rotation * context.ambient(series.rows[row]) / rows.scales.magnitude_nt;
+        let field = rotation * context.ambient(series.rows[row]) / self.rows.scales.magnitude_nt;
         if !field.iter().all(|value| value.is_finite()) || field.norm() == 0.0 {
             return None;
         }
-        let mut z = vec![0.0; model.terms.columns() + 1];
-        rows.fill(number, row, &mut z);
+        let z = self.rows.z(number, row);
         let own = model.chain(state).own(&z);
         Some(Moment { own, z, field, rotation })
     }
 
     /// Each sensor by linear least squares on the field: V = a·B + c, a along the sensor.
-    pub fn start(&self, rows: &Rows<'_>, solved: &Solved) -> Result<Start, Error> {
-        let nominal = solved.model.nominal();
+    pub fn start(&self, model: &Model) -> Result<Start, Error> {
+        let nominal = model.nominal();
         let of = |inverse: bool| {
-            let mut filling = Filling::new(7);
-            for (number, series) in rows.series.iter().enumerate() {
-                for row in 0..series.len() {
-                    let Some(moment) = self.moment(rows, &solved.model, &nominal, number, row) else {
-                        continue;
-                    };
-                    let turn = moment.rotation.transpose();
-                    let field = if inverse { turn * turn * moment.field } else { moment.field };
-                    let z = &moment.z;
-                    filling.row([field.x, field.y, field.z, 1.0, z[0], z[1], z[2]]);
-                }
+            let mut factor = Factor::new(7);
+            let rows = self.rows.places();
+            let moments = rows.filter_map(|(number, row)| self.moment(model, &nominal, number, row));
+            for Moment { z, field, rotation, .. } in moments {
+                let turn = rotation.transpose();
+                let field = if inverse { turn * turn * field } else { field };
+                factor.row([field.x, field.y, field.z, 1.0, z[0], z[1], z[2]]);
             }
-            filling.finish()
+            factor.finish()
         };
         let fitted = |inverse: bool| -> Result<(Matrix3<f64>, f64), Error> {
             let factor = of(inverse);
@@ -144,72 +128,53 @@ impl<'a> Vectors<'a> {
     }
 
     /// How the residuals scatter along the field and across it.
-    pub fn spread(&self, rows: &Rows<'_>, model: &Model, state: &State, mu: &Matrix3<f64>) -> Spread {
-        let inverse = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+    pub fn spread(&self, model: &Model, state: &State, mu: &Matrix3<f64>) -> Spread {
+        let inverse = unmixed(mu);
         let of = |number: usize, row: usize| -> Option<[f64; 4]> {
-            let moment = self.moment(rows, model, state, number, row)?;
+            let moment = self.moment(model, state, number, row)?;
             let off = inverse * Vector3::from(moment.own) - moment.field;
             let part = off.dot(&moment.field.normalize()).powi(2);
             Some([1.0, part, 0.5 * (off.norm_squared() - part), moment.field.norm_squared()])
         };
         let add = |sums: [f64; 4], more: [f64; 4]| std::array::from_fn(|k| sums[k] + more[k]);
-        let mut sums = [0.0; 4];
-        for (number, series) in rows.series.iter().enumerate() {
-            let starts: Vec<usize> = (0..series.len()).step_by(CHUNK).collect();
-            let of_chunk = |from: usize| {
-                (from..(from + CHUNK).min(series.len())).filter_map(|row| of(number, row)).fold([0.0; 4], add)
-            };
-            let parts: Vec<[f64; 4]> = starts.into_par_iter().map(of_chunk).collect();
-            sums = parts.into_iter().fold(sums, add);
-        }
-        let [moments, along, across, squares] = sums;
+        let of_chunk =
+            |number: usize, rows: Range<usize>| rows.filter_map(|row| of(number, row)).fold([0.0; 4], add);
+        let all = self.each(CHUNK, of_chunk).into_iter().flatten().fold([0.0; 4], add);
+        let [moments, along, across, squares] = all;
         let count = moments.max(1.0);
         let [along, across, square] =
             [along, across, squares].map(|sum| (sum / count).max(f64::MIN_POSITIVE));
         Spread { along, across, attitude: ((across - along) / square).max(0.0), moments: moments as usize }
     }
 
+    /// Something of each so many rows of each recording.
+    fn each<T: Send>(&self, rows: usize, of: impl Fn(usize, Range<usize>) -> T + Sync) -> Vec<Vec<T>> {
+        let of_recording = |(number, series): (usize, &Series)| {
+            let starts: Vec<usize> = (0..series.len()).step_by(rows).collect();
+            starts.into_par_iter().map(|from| of(number, from..(from + rows).min(series.len()))).collect()
+        };
+        self.rows.series.iter().enumerate().map(of_recording).collect()
+    }
+
     /// The rows about a state, as those of the magnitude: residual, derivatives, and what a row reads of the
     /// noise of the field in GEO.
-    pub fn groups(
-        &self,
-        rows: &Rows<'_>,
-        model: &Model,
-        state: &State,
-        mu: &Matrix3<f64>,
-        spread: &Spread,
-    ) -> Groups {
+    pub fn groups(&self, model: &Model, state: &State, mu: &Matrix3<f64>, spread: Spread) -> Groups {
         let count = model.parameters.len();
-        let about = About::new(model, state, mu, (self.share, self.scalar), *spread);
-        let total: usize = rows.series.iter().map(Series::len).sum();
+        let about = About::new(model, state, mu, (self.share, self.scalar), spread);
+        let total: usize = self.rows.series.iter().map(Series::len).sum();
         let width = count + 4;
         let each = if total * 3 <= FILTERED { 1 } else { (total * width).div_ceil(FILTERED) };
-        let of = |number: usize, from: usize| -> (usize, Group) {
-            let series = &rows.series[number];
-            let to = (from + each).min(series.len());
-            let moments = (from..to).filter_map(|row| self.moment(rows, model, state, number, row));
+        let of = |number: usize, rows: Range<usize>| -> (usize, Group) {
+            let (from, last) = (rows.start, rows.end - 1);
+            let moments = rows.filter_map(|row| self.moment(model, state, number, row));
             let all: Vec<Vec<f64>> = moments.flat_map(|moment| about.rows(&moment)).collect();
-            let time_s = series.time_s.as_deref().map_or(0.0, |time| 0.5 * (time[from] + time[to - 1]));
+            let time = self.rows.series[number].time_s.as_deref();
+            let time_s = time.map_or(0.0, |time| 0.5 * (time[from] + time[last]));
             (all.len(), Group::at(time_s, compressed(all, width)))
         };
-        let mut read = 0;
-        let mut recordings = Vec::new();
-        for (number, series) in rows.series.iter().enumerate() {
-            let starts: Vec<usize> = (0..series.len()).step_by(each).collect();
-            let groups: Vec<(usize, Group)> = starts.into_par_iter().map(|from| of(number, from)).collect();
-            read += groups.iter().map(|(count, _)| count).sum::<usize>();
-            recordings.push(groups.into_iter().map(|(_, group)| group).collect());
-        }
-        Groups::of_rows(recordings, count + 1, read as f64)
+        let groups = self.each(each, of);
+        let read: usize = groups.iter().flatten().map(|(count, _)| count).sum();
+        let recordings = groups.into_iter().map(|all| all.into_iter().map(|(_, group)| group).collect());
+        Groups::of_rows(recordings.collect(), count + 1, read as f64)
     }
-}
-
-/// More rows than columns as their triangular factor.
-fn compressed(rows: Vec<Vec<f64>>, width: usize) -> Vec<Vec<f64>> {
-    if rows.len() <= width {
-        return rows;
-    }
-    let mut filling = Filling::new(width);
-    rows.into_iter().for_each(|row| filling.row(row));
-    covariance::rows(&filling.finish().upper())
 }

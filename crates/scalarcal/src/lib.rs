@@ -11,7 +11,8 @@
 //!
 //! - `read` takes the recordings, `design` makes rows of products of them (`terms`), `factor` a triangle of
 //!   any number of rows. `model` gives the coefficients of the products as a function of the parameters, with
-//!   derivatives; `fit` is their least squares, corrected for the bias that noise adds to products.
+//!   derivatives; `fit` is their least squares, corrected for the bias that noise adds to products. `fitted`
+//!   makes a calibration of it, for rows at hand and for streams alike.
 //! - `noise` goes through the rows once more as linear least squares about that fit, whitened by a Kalman
 //!   filter in which each sensor has noise of its own, and averages over forms of noise.
 //! - `effects` are those of the catalogue, by the derivatives of `physics::predict_with_jacobian`. `weakest`
@@ -36,6 +37,7 @@ mod factor;
 mod files;
 mod findings;
 mod fit;
+mod fitted;
 mod kalman;
 mod known;
 mod known_field;
@@ -67,6 +69,7 @@ pub use words::summary;
 
 use common::Document;
 use joined::Gathered;
+use linear::Linear;
 use solved::{Detail, Solved};
 
 /// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what
@@ -98,10 +101,10 @@ fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options
         let expected = "one from another source: with --known each reading would count twice; use the document from before that run";
         return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
-    let options = &Options { known: options.known && solved.body.is_none(), ..options.clone() };
-    solved.told.splice(0..0, told);
-    let seen = seen::of_rows(&document, &solved, &detail, options)?;
-    result::adopt(&mut document, &solved, (&detail, seen), options)?;
+    let options = &Options { known: options.known && solved.scalar.body.is_none(), ..options.clone() };
+    solved.scalar.findings.splice(0..0, told);
+    seen::of_rows(&document, &mut solved, &detail, options)?;
+    result::adopt(&mut document, solved, &detail, options)?;
     let references = physics::References::of(&document);
     physics::state_references(&mut document, &references);
     Ok(document)
@@ -114,9 +117,9 @@ fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Detail)
     let known = on_body && options.known;
     if !on_body || !(away || known) {
         let (mut solved, detail) = by_field(document, options)?;
-        solved.includes_body = !away;
+        solved.scalar.includes_body = !away;
         if on_body {
-            solved.told.push(body::INCLUDED.into());
+            solved.scalar.findings.push(body::INCLUDED.into());
         }
         return Ok((solved, detail));
     }
@@ -125,18 +128,18 @@ fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Detail)
     let options = &Options { known: away && options.known, ..options.clone() };
     if away {
         own = body::part(document, false);
-        let (solved, detail) = by_field(&own, options)?;
-        let seen = seen::of_rows(&own, &solved, &detail, options)?;
-        result::adopt(&mut own, &solved, (&detail, seen), options)?;
+        let (mut solved, detail) = by_field(&own, options)?;
+        seen::of_rows(&own, &mut solved, &detail, options)?;
+        result::adopt(&mut own, solved, &detail, options)?;
     } else {
         body::stated(document)?;
     }
     let options = &Options { known: false, ..options.clone() };
     let on_body = Document { calibration: own.calibration, ..body::part(document, true) };
     let (mut solved, detail) = by_field(&on_body, options)?;
-    solved.body = Some(body::of(&on_body, &solved)?);
+    solved.scalar.body = Some(body::of(&on_body, &solved)?);
     // It is the body that the readings are held against by what is known, not the other way round.
-    solved.beforehand.rows.clear();
+    solved.beforehand.rows = Linear::none(solved.model.parameters.len());
     Ok((solved, detail))
 }
 

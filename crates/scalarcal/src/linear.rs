@@ -1,107 +1,119 @@
-//! Linear least squares about a fit, and estimates of several models of the noise averaged.
+//! Rows of linear least squares.
 
 use estimate::Svd;
-use faer::Mat;
+use faer::{ColRef, Mat, Scale, Side};
 
-use crate::fit::PriorRows;
+use crate::Error;
 
 /// Singular values below this share of the largest count as zero.
 pub const RANK_TOLERANCE: f64 = 1e-9;
+/// Variances of a correlation below this are rounding.
+const ROUNDING: f64 = 1e-14;
 
-/// Whitened rows as linear least squares: J δ ≈ r.
+/// Rows over their standard deviations: J x ≈ r.
+#[derive(Clone, Debug)]
 pub struct Linear {
-    /// J, in a factor.
     pub jacobian: Mat<f64>,
-    /// r.
     pub right: Vec<f64>,
 }
 
 impl Linear {
+    /// No rows of so many parameters.
+    pub fn none(columns: usize) -> Self {
+        Self { jacobian: Mat::zeros(0, columns), right: Vec::new() }
+    }
+
+    pub fn one(weights: &[f64], value: f64) -> Self {
+        Self { jacobian: Mat::from_fn(1, weights.len(), |_, j| weights[j]), right: vec![value] }
+    }
+
     /// Of a factor U whose first column is r, over the standard deviation of a row.
     pub fn of(upper: &Mat<f64>, variance: f64) -> Self {
-        let upper = upper * faer::Scale(1.0 / variance.max(f64::MIN_POSITIVE).sqrt());
-        let rows = upper.nrows();
+        let upper = upper * Scale(1.0 / variance.max(f64::MIN_POSITIVE).sqrt());
+        let jacobian = upper.subcols(1, upper.ncols() - 1).to_owned();
+        Self { jacobian, right: upper.col(0).iter().copied().collect() }
+    }
+
+    /// That parameters have values with a covariance.
+    pub fn known(values: &[f64], covariance: &Mat<f64>) -> Self {
+        let jacobian = root(covariance);
+        let right = (&jacobian * ColRef::from_slice(values)).iter().copied().collect();
+        Self { jacobian, right }
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.right.is_empty()
+    }
+
+    pub fn and(&self, other: &Self) -> Self {
         Self {
-            jacobian: upper.subcols(1, rows - 1).to_owned(),
-            right: (0..rows).map(|i| upper[(i, 0)]).collect(),
+            jacobian: stacked(&self.jacobian, &other.jacobian),
+            right: [self.right.as_slice(), &other.right].concat(),
         }
     }
 
-    /// With rows of what is known, about a state.
-    pub fn with(&self, known: &PriorRows, state: &[f64]) -> Self {
-        let rows = self.jacobian.nrows();
-        let jacobian = Mat::from_fn(rows + known.len(), self.jacobian.ncols(), |i, j| {
-            if i < rows { self.jacobian[(i, j)] } else { known[i - rows].0.get(j).copied().unwrap_or(0.0) }
-        });
-        let mut right = self.right.clone();
-        right.extend(known.iter().map(|(weights, value)| {
-            value - weights.iter().zip(state).map(|(weight, value)| weight * value).sum::<f64>()
-        }));
-        Self { jacobian, right }
+    /// The same rows for the step from a state.
+    pub fn about(&self, state: &[f64]) -> Self {
+        let there = &self.jacobian * ColRef::from_slice(state);
+        let right = self.right.iter().zip(there.iter()).map(|(value, there)| value - there).collect();
+        Self { jacobian: self.jacobian.clone(), right }
     }
-}
 
-/// Estimates of several models, averaged by their weights.
-#[derive(Default)]
-pub struct Mixture {
-    steps: Vec<Vec<f64>>,
-    weights: Vec<f64>,
-    within: Option<Mat<f64>>,
-    /// Whether every model determines all parameters.
-    pub full: bool,
-}
+    /// The same rows where they ask for no step.
+    pub fn fixed(&self) -> Self {
+        Self { jacobian: self.jacobian.clone(), right: vec![0.0; self.right.len()] }
+    }
 
-impl Mixture {
-    /// Adds the estimate of a model with rows of what is known, about a state.
+    /// The same rows of more parameters, of which they say nothing.
+    pub fn padded(&self, columns: usize) -> Self {
+        let mut jacobian = Mat::zeros(self.jacobian.nrows(), columns);
+        jacobian.subcols_mut(0, self.jacobian.ncols()).copy_from(&self.jacobian);
+        Self { jacobian, right: self.right.clone() }
+    }
+
+    /// The decomposition of J.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Fit`] where the decomposition fails.
-    pub fn add(
-        &mut self,
-        weight: f64,
-        linear: &Linear,
-        known: &PriorRows,
-        state: &[f64],
-    ) -> Result<(), crate::Error> {
-        let linear = linear.with(known, state);
-        let svd = Svd::of(linear.jacobian.as_ref(), RANK_TOLERANCE)?;
-        let full = svd.rank() == linear.jacobian.ncols();
-        self.full = full && (self.full || self.steps.is_empty());
-        let covariance = svd.covariance() * faer::Scale(weight);
-        self.within = Some(match self.within.take() {
-            Some(within) => within + covariance,
-            None => covariance,
-        });
-        self.steps.push(svd.solve(&linear.right));
-        self.weights.push(weight);
-        Ok(())
-    }
-
-    /// The mean step and the covariance.
-    pub fn result(&self) -> (Vec<f64>, Mat<f64>) {
-        let count = self.steps.first().map_or(0, Vec::len);
-        let total: f64 = self.weights.iter().sum();
-        let each = || self.steps.iter().zip(&self.weights).map(|(step, weight)| (step, weight / total));
-        let mean: Vec<f64> =
-            (0..count).map(|j| each().map(|(step, weight)| weight * step[j]).sum()).collect();
-        let within = self.within.clone().unwrap_or_else(|| Mat::zeros(count, count));
-        let covariance = Mat::from_fn(count, count, |i, j| {
-            let between: f64 =
-                each().map(|(step, weight)| weight * (step[i] - mean[i]) * (step[j] - mean[j])).sum();
-            within[(i, j)] / total + between
-        });
-        (mean, covariance)
+    /// [`Error::Fit`] where there is none.
+    pub fn svd(&self) -> Result<Svd, Error> {
+        Ok(Svd::of(self.jacobian.as_ref(), RANK_TOLERANCE)?)
     }
 }
 
-/// J with JᵀJ the inverse of a covariance.
+pub fn stacked(above: &Mat<f64>, below: &Mat<f64>) -> Mat<f64> {
+    let rows = above.nrows();
+    Mat::from_fn(rows + below.nrows(), above.ncols(), |i, j| {
+        if i < rows { above[(i, j)] } else { below[(i - rows, j)] }
+    })
+}
+
+/// One at a place, else zeros.
+pub fn unit(place: usize, count: usize) -> Vec<f64> {
+    (0..count).map(|k| f64::from(u8::from(k == place))).collect()
+}
+
+/// Standard deviations by a covariance, none of them zero.
+pub fn deviations(covariance: &Mat<f64>) -> Vec<f64> {
+    (0..covariance.nrows()).map(|k| covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect()
+}
+
+/// J with JᵀJ the inverse of a covariance; variances of the correlation below rounding count as that.
 pub fn root(covariance: &Mat<f64>) -> Mat<f64> {
+    rooted(covariance, |variance| Some(variance.max(ROUNDING)))
+}
+
+/// The same without the combinations that are fixed: those with less than a variance of the correlation.
+pub fn root_of_free(covariance: &Mat<f64>, fixed: f64) -> Mat<f64> {
+    rooted(covariance, |variance| Some(variance).filter(|variance| *variance > fixed))
+}
+
+fn rooted(covariance: &Mat<f64>, variance: impl Fn(f64) -> Option<f64>) -> Mat<f64> {
     let count = covariance.nrows();
-    let scale: Vec<f64> = (0..count).map(|k| covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scale = deviations(covariance);
     let correlation = Mat::from_fn(count, count, |i, j| covariance[(i, j)] / (scale[i] * scale[j]));
-    let Ok(own) = correlation.self_adjoint_eigen(faer::Side::Lower) else {
-        return Mat::zeros(count, count);
-    };
-    Mat::from_fn(count, count, |k, j| own.U()[(j, k)] / (own.S()[k].max(1e-14).sqrt() * scale[j]))
+    let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) else { return Mat::zeros(0, count) };
+    let kept: Vec<(usize, f64)> =
+        (0..count).filter_map(|k| Some((k, variance(own.S()[k])?.sqrt()))).collect();
+    Mat::from_fn(kept.len(), count, |i, j| own.U()[(j, kept[i].0)] / (kept[i].1 * scale[j]))
 }

@@ -3,7 +3,10 @@
 use faer::prelude::ReborrowMut;
 use faer::{ColRef, Mat, MatMut};
 use nalgebra::Matrix3;
+use num_dual::Dual64;
+use physics::Real;
 
+use crate::linear::Linear;
 use crate::terms::{ONE, Terms};
 
 /// Pairs of axes whose cosines are parameters.
@@ -11,7 +14,6 @@ pub const PAIRS: [[usize; 2]; 3] = [[0, 1], [1, 2], [0, 2]];
 /// Parameters of the sensors: sensitivities, offsets, cosines.
 pub const NINE: usize = 9;
 
-/// One parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Parameter {
     /// Sensitivity of a sensor over the nominal one.
@@ -26,7 +28,6 @@ pub enum Parameter {
         number: [usize; 2],
         /// The column z that its contribution to each sensor follows, and the factor on it.
         follows: [Option<(usize, f64)>; 3],
-        /// In words.
         name: String,
     },
     /// β: what the reference reads too much, over the typical magnitude.
@@ -37,11 +38,9 @@ pub enum Parameter {
     Turn(usize),
 }
 
-/// Axes in words.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Parameter {
-    /// In words.
     pub fn name(&self) -> String {
         match self {
             Parameter::Sensitivity(axis) => format!("sensitivity of {}", AXES[*axis]),
@@ -64,9 +63,7 @@ pub type State = Vec<f64>;
 /// Which parameters there are, in the order of a state. The nine of the sensors come first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// The products.
     pub terms: Terms,
-    /// The parameters.
     pub parameters: Vec<Parameter>,
 }
 
@@ -99,24 +96,21 @@ impl Model {
     }
 
     /// L: what each sensor reads along its axis, by the columns z.
-    fn along(&self, state: &State) -> Mat<f64> {
-        let mut along = Mat::zeros(3, self.terms.columns());
+    fn along<T: Real>(&self, state: &[T]) -> [Vec<T>; 3] {
+        let mut along = [(); 3].map(|()| vec![T::zero(); self.terms.columns()]);
         for (parameter, value) in self.parameters.iter().zip(state) {
             match parameter {
-                Parameter::Sensitivity(axis) => along[(*axis, *axis)] = *value,
-                Parameter::Offset(axis) => along[(*axis, ONE)] = *value,
+                Parameter::Sensitivity(axis) => along[*axis][*axis] = *value,
+                Parameter::Offset(axis) => along[*axis][ONE] = *value,
                 // What an effect adds is to be taken off.
                 Parameter::Effect { follows, .. } => {
-                    for (axis, column) in follows.iter().enumerate() {
-                        if let Some((column, factor)) = column {
-                            along[(axis, *column)] -= factor * value;
+                    for (along, follows) in along.iter_mut().zip(follows) {
+                        if let Some((column, factor)) = follows {
+                            along[*column] -= *value * *factor;
                         }
                     }
                 }
-                Parameter::Cosine(_)
-                | Parameter::ReferenceOffset
-                | Parameter::Magnitude
-                | Parameter::Turn(_) => {}
+                _ => {}
             }
         }
         along
@@ -125,20 +119,22 @@ impl Model {
     /// The coefficients p of the products in the residual; None where the cosines are none of three axes.
     /// Where the magnitude is a parameter m, all are over m k, k the mean sensitivity: so the residual is in
     /// the unit of the readings, and no common scale of sensors and field makes it small.
-    pub fn coefficients(&self, state: &State) -> Option<Vec<f64>> {
+    pub fn coefficients<T: Real>(&self, state: &[T]) -> Option<Vec<T>> {
         let along = self.along(state);
-        let inverse = cosines(state).try_inverse()?;
-        let mixed = mixed(&inverse, &along);
+        let inverse = inverse_cosines(state)?;
         let columns = self.terms.columns();
-        let square = |f: usize, g: usize| (0..3).map(|k| along[(k, f)] * mixed[(k, g)]).sum::<f64>();
+        let square = |f: usize, g: usize| {
+            let pairs = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
+            pairs.fold(T::zero(), |sum, (k, l)| sum + along[k][f] * inverse[k][l] * along[l][g])
+        };
         let (offset, magnitude) = (self.value(state, Parameter::ReferenceOffset), self.magnitude(state));
         let unit = magnitude * self.scale(state);
         let of = |[f, g]: [usize; 2]| {
             if g == columns {
-                if f == columns { -magnitude * magnitude } else { 2.0 * offset }
+                if f == columns { -magnitude * magnitude } else { offset * 2.0 }
             } else {
-                let own = if [f, g] == [ONE, ONE] { offset * offset } else { 0.0 };
-                if f == g { square(f, g) - own } else { 2.0 * square(f, g) }
+                let own = if [f, g] == [ONE, ONE] { offset * offset } else { T::zero() };
+                if f == g { square(f, g) - own } else { square(f, g) * 2.0 }
             }
         };
         Some(self.terms.pairs().iter().map(|pair| of(*pair) / unit).collect())
@@ -146,86 +142,38 @@ impl Model {
 
     /// The derivative of the coefficients by each parameter, one column a parameter.
     pub fn slopes(&self, state: &State) -> Option<Mat<f64>> {
-        let along = self.along(state);
-        let inverse = cosines(state).try_inverse()?;
-        let mixed = mixed(&inverse, &along);
-        let columns = self.terms.columns();
-        let mut slopes = Mat::zeros(self.terms.count(), self.parameters.len());
-        for (j, parameter) in self.parameters.iter().enumerate() {
-            // Twice ∂|B|²/∂L along one element, symmetric in f and g.
-            let mut element = |axis: usize, column: usize, sign: f64| {
-                for other in 0..columns {
-                    let place = self.terms.place(column, other).expect("a product without F");
-                    // z_column (G⁻¹L)_axis,other appears twice; on the diagonal the pair stands once.
-                    slopes[(place, j)] += sign * 2.0 * mixed[(axis, other)];
-                }
-            };
-            match parameter {
-                Parameter::Sensitivity(axis) => element(*axis, *axis, 1.0),
-                Parameter::Offset(axis) => element(*axis, ONE, 1.0),
-                Parameter::Effect { follows, .. } => {
-                    for (axis, column) in follows.iter().enumerate() {
-                        if let Some((column, factor)) = column {
-                            element(axis, *column, -factor);
-                        }
-                    }
-                }
-                Parameter::Cosine(pair) => {
-                    let [a, b] = PAIRS[*pair];
-                    for (place, [f, g]) in self.terms.pairs().iter().enumerate() {
-                        if *g < columns {
-                            let both = mixed[(a, *f)] * mixed[(b, *g)] + mixed[(b, *f)] * mixed[(a, *g)];
-                            slopes[(place, j)] = if f == g { -both } else { -2.0 * both };
-                        }
-                    }
-                }
-                Parameter::ReferenceOffset => {
-                    let offset = self.value(state, Parameter::ReferenceOffset);
-                    let place = self.terms.place(ONE, ONE).expect("a product without F");
-                    slopes[(place, j)] = -2.0 * offset;
-                    slopes[(self.terms.count() - 2, j)] = 2.0;
-                }
-                Parameter::Magnitude => slopes[(self.terms.count() - 1, j)] = -2.0 * self.magnitude(state),
-                Parameter::Turn(_) => {}
-            }
-        }
-        if let Some(place) = self.place(&Parameter::Magnitude) {
-            let coefficients = self.coefficients(state)?;
-            let (magnitude, scale) = (self.magnitude(state), self.scale(state));
-            slopes *= faer::Scale(1.0 / (magnitude * scale));
-            for (row, value) in coefficients.iter().enumerate() {
-                slopes[(row, place)] -= value / magnitude;
-                (0..3).for_each(|axis| slopes[(row, axis)] -= value / (3.0 * scale));
-            }
-        }
-        Some(slopes)
+        let by = |j: usize| {
+            let dual = |(k, value): (usize, &f64)| Dual64::new(*value, f64::from(u8::from(k == j)));
+            self.coefficients(&state.iter().enumerate().map(dual).collect::<Vec<_>>())
+        };
+        let by: Vec<Vec<Dual64>> = (0..self.parameters.len()).map(by).collect::<Option<_>>()?;
+        Some(Mat::from_fn(self.terms.count(), by.len(), |place, j| by[j][place].eps))
     }
 
-    /// How a state reads rows.
     pub fn chain(&self, state: &State) -> Chain {
-        let along = self.along(state);
-        let columns = |axis: usize| (0..self.terms.columns()).map(|f| along[(axis, f)]).collect();
-        Chain(std::array::from_fn(columns))
+        Chain(self.along(state))
     }
 
-    /// Where a parameter stands.
     pub fn place(&self, parameter: &Parameter) -> Option<usize> {
         self.parameters.iter().position(|own| own == parameter)
     }
 
-    fn value(&self, state: &State, parameter: Parameter) -> f64 {
-        self.place(&parameter).map_or(0.0, |place| state[place])
+    fn value<T: Real>(&self, state: &[T], parameter: Parameter) -> T {
+        self.place(&parameter).map_or(T::zero(), |place| state[place])
     }
 
     /// The unit of a residual, over the typical magnitude: the mean sensitivity where the magnitude is a
     /// parameter, else one.
-    pub fn scale(&self, state: &State) -> f64 {
-        if self.place(&Parameter::Magnitude).is_some() { state[..3].iter().sum::<f64>() / 3.0 } else { 1.0 }
+    pub fn scale<T: Real>(&self, state: &[T]) -> T {
+        match self.place(&Parameter::Magnitude) {
+            Some(_) => (state[0] + state[1] + state[2]) / 3.0,
+            None => T::one(),
+        }
     }
 
     /// The magnitude over the assumed one.
-    pub fn magnitude(&self, state: &State) -> f64 {
-        self.place(&Parameter::Magnitude).map_or(1.0, |place| state[place])
+    pub fn magnitude<T: Real>(&self, state: &[T]) -> T {
+        self.place(&Parameter::Magnitude).map_or(T::one(), |place| state[place])
     }
 }
 
@@ -249,20 +197,24 @@ pub fn cosines(state: &State) -> Matrix3<f64> {
     cosines
 }
 
-/// G⁻¹ L.
-fn mixed(inverse: &Matrix3<f64>, along: &Mat<f64>) -> Mat<f64> {
-    Mat::from_fn(3, along.ncols(), |i, j| (0..3).map(|k| inverse[(i, k)] * along[(k, j)]).sum())
+/// G⁻¹; None where there is none.
+fn inverse_cosines<T: Real>(state: &[T]) -> Option<[[T; 3]; 3]> {
+    let (xy, yz, xz, one) = (state[6], state[7], state[8], T::one());
+    let determinant = one + xy * yz * xz * 2.0 - xy * xy - yz * yz - xz * xz;
+    let minors = [
+        [one - yz * yz, xz * yz - xy, xy * yz - xz],
+        [xz * yz - xy, one - xz * xz, xy * xz - yz],
+        [xy * yz - xz, xy * xz - yz, one - xy * xy],
+    ];
+    (determinant.re() != 0.0).then(|| minors.map(|row| row.map(|minor| minor / determinant)))
 }
 
 /// Least squares of the coefficients by a triangular factor U of the products, with what is known beforehand.
 pub struct Problem<'a> {
-    /// The model.
     pub model: &'a Model,
     /// U, over the standard deviation of a residual.
     pub upper: &'a Mat<f64>,
-    /// What is known beforehand: independent combinations of parameters, each with its value, over its
-    /// standard deviation.
-    pub known: &'a [(Vec<f64>, f64)],
+    pub known: &'a Linear,
 }
 
 impl estimate::Problem for Problem<'_> {
@@ -273,7 +225,7 @@ impl estimate::Problem for Problem<'_> {
     }
 
     fn rows(&self) -> usize {
-        self.upper.nrows() + self.known.len()
+        self.upper.nrows() + self.known.right.len()
     }
 
     fn readings(&self) -> usize {
@@ -290,11 +242,9 @@ impl estimate::Problem for Problem<'_> {
         let found = self.upper * ColRef::from_slice(&coefficients);
         residual.iter_mut().zip(found.iter()).for_each(|(residual, found)| *residual = -found);
         jacobian.rb_mut().subrows_mut(0, rows).copy_from(self.upper * &slopes);
-        for (row, (weights, value)) in self.known.iter().enumerate() {
-            let predicted: f64 = weights.iter().zip(state).map(|(weight, value)| weight * value).sum();
-            residual[rows + row] = value - predicted;
-            (0..self.unknowns()).for_each(|j| jacobian[(rows + row, j)] = weights[j]);
-        }
+        let known = self.known.about(state);
+        residual[rows..].copy_from_slice(&known.right);
+        jacobian.subrows_mut(rows, known.right.len()).copy_from(&known.jacobian);
     }
 
     fn advance(&self, state: &State, step: &[f64]) -> State {
@@ -307,7 +257,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coefficients_and_slopes() {
+    fn products_add_up_to_the_residual() {
         let effect = Parameter::Effect {
             number: [0, 0],
             follows: [Some((4, 1.0)), None, Some((5, 0.7))],
@@ -326,18 +276,5 @@ mod tests {
         let expected = (magnitude.powi(2) - (1.01 * z[6]).powi(2) + 2.0 * 0.004 * z[6] - 0.004_f64.powi(2))
             / (2.0 * z[6] * 1.01 * (1.1 + 0.9 + 1.02) / 3.0);
         assert!((residual - expected).abs() < 1e-15, "{residual} {expected}");
-        let slopes = model.slopes(&state).expect("axes");
-        for j in 0..state.len() {
-            let moved = |by: f64| {
-                let mut state = state.clone();
-                state[j] += by;
-                model.coefficients(&state).expect("axes")
-            };
-            let (up, down) = (moved(1e-6), moved(-1e-6));
-            for place in 0..model.terms.count() {
-                let slope = (up[place] - down[place]) / 2e-6;
-                assert!((slope - slopes[(place, j)]).abs() < 1e-8, "parameter {j}, product {place}");
-            }
-        }
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::directions::directions_by;
+use crate::directions::{directions_by, unmixed};
 use crate::model::{Model, Parameter, State};
 
 /// A moment: what the sensors read, and the field that is known.
@@ -17,13 +17,10 @@ pub struct Moment {
 /// How much rows err: variances over the square of the typical magnitude.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
-    /// Along the field.
     pub along: f64,
-    /// Across the field.
     pub across: f64,
     /// What the attitude adds across it, by the square of the field.
     pub attitude: f64,
-    /// Moments.
     pub moments: usize,
 }
 
@@ -50,7 +47,7 @@ impl<'s> About<'s> {
         (share, scalar): (f64, bool),
         spread: Spread,
     ) -> Self {
-        let inverse = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
+        let inverse = unmixed(mu);
         Self { model, state, mu, inverse, by: directions_by(model, state, mu), share, scalar, spread }
     }
 
@@ -99,9 +96,8 @@ impl<'s> About<'s> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::directions::turned;
+    use crate::directions::{frame, turned};
     use crate::terms::ONE;
-    use crate::weakest::frame;
 
     #[test]
     fn rows_move_as_their_derivatives_say() {
@@ -129,25 +125,14 @@ mod tests {
             let moved = |by: f64| {
                 let mut state = state.clone();
                 state[j] += by;
-                let turned = turned(&state, 10, &mu);
-                rows(
-                    &state,
-                    if matches!(parameter, Parameter::Cosine(_) | Parameter::Turn(_)) {
-                        &turned
-                    } else {
-                        &mu
-                    },
-                )
+                rows(&state, &turned(&state, 10, &mu))
             };
             let (up, down) = (moved(1e-6), moved(-1e-6));
             for k in 0..3 {
                 // What is to be explained falls as the residual rises.
                 let slope = -(up[k][0] - down[k][0]) / 2e-6;
-                assert!(
-                    (slope - at[k][1 + j]).abs() < 1e-8,
-                    "{parameter:?}, row {k}: {slope} {}",
-                    at[k][1 + j]
-                );
+                let found = at[k][1 + j];
+                assert!((slope - found).abs() < 1e-8, "{parameter:?}, row {k}: {slope} {found}");
             }
         }
     }

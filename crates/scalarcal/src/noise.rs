@@ -16,14 +16,16 @@
 
 use common::{Noise, covariance};
 use estimate::Svd;
-use faer::{ColRef, Mat};
+use faer::{Col, ColRef, Mat, Scale};
 use rayon::prelude::*;
+use std::ops::Range;
 
+use crate::Error;
 use crate::design::Rows;
-use crate::factor::{Factor, Filling};
-use crate::fit::{FittedState, PriorRows, about};
-use crate::kalman::{Filter, Form, Memory, SENSORS, processes};
-use crate::linear::{Linear, Mixture, RANK_TOLERANCE, root};
+use crate::factor::{Factor, compressed};
+use crate::fit::{FittedState, about};
+use crate::kalman::{Filter, Form, Memory};
+use crate::linear::{Linear, RANK_TOLERANCE, root};
 use crate::model::Model;
 use crate::read::Source;
 
@@ -72,7 +74,6 @@ pub struct Groups {
     recordings: Vec<Vec<Group>>,
     /// Columns of a row that are residual and derivatives.
     columns: usize,
-    /// Rows before they were grouped.
     rows: f64,
     /// Rows of a group, in the mean.
     each: f64,
@@ -84,18 +85,29 @@ pub struct Groups {
 
 /// What a form makes of the rows.
 pub struct Filtered {
-    /// The form.
     pub form: Form,
-    /// Residual and derivatives, in a factor.
-    pub upper: Mat<f64>,
+    /// The rows, whitened.
+    pub linear: Linear,
     /// Variance σ² of the white noise, over the square of the typical magnitude.
     pub variance: f64,
-    /// Its weight.
-    pub weight: f64,
+    weight: f64,
+}
+
+/// What forms of noise make of the rows; one at least.
+pub struct Forms(Vec<Filtered>);
+
+/// The mean of estimates by several forms.
+pub struct Average {
+    /// From the state about which the rows are.
+    pub step: Vec<f64>,
+    /// Within and between the forms.
+    pub covariance: Mat<f64>,
+    /// Whether by every form the rows determine all parameters.
+    pub full: bool,
 }
 
 impl Groups {
-    /// The rows of recordings about a fit; None for a few rows, and without times in order where there must
+    /// Rows about a fit; None for a few rows, and without times in order where there must
     /// be some.
     ///
     /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) and F̂ = F + (1 − φ) r with φ the
@@ -105,7 +117,7 @@ impl Groups {
     ///
     /// Source: J. M. G. Merayo et al., Meas. Sci. Technol. 11 (2000) 120–132, for the second-order term.
     pub fn of(rows: &Rows<'_>, model: &Model, found: &FittedState, timed: bool) -> Option<Self> {
-        let all: usize = rows.series.iter().map(|one| one.len()).sum();
+        let all: usize = rows.pieces.iter().map(|(_, rows)| rows.len()).sum();
         if all < LEAST {
             return None;
         }
@@ -120,11 +132,10 @@ impl Groups {
         let chain = model.chain(state);
         let by: Vec<Vec<f64>> =
             (0..count).map(|j| (0..slopes.nrows()).map(|k| slopes[(k, j)]).collect()).collect();
-        let row = |z: &mut [f64], products: &mut [f64]| -> Vec<f64> {
-            model.terms.fill(z, products);
+        let row = |_: usize, z: &mut [f64], products: &mut [f64]| -> Vec<f64> {
             let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
             let own = chain.own(z);
-            (0..SENSORS).for_each(|axis| z[axis] -= share * residual * unit * own[axis] / state[axis]);
+            (0..3).for_each(|axis| z[axis] -= share * residual * unit * own[axis] / state[axis]);
             let read = z[model.terms.columns()];
             z[model.terms.columns()] += (1.0 - share) * residual * unit;
             let residual = residual * read / z[model.terms.columns()];
@@ -138,21 +149,20 @@ impl Groups {
         };
         // As many rows of factors as rows could be.
         let each = if all <= FILTERED { 1 } else { (all * (count + 1)).div_ceil(FILTERED) };
-        let of = |number: usize| -> Option<Vec<Group>> {
-            let series = &rows.series[number];
-            let time = series.time_s.as_deref();
+        let of = |(number, piece): &(usize, Range<usize>)| -> Option<Vec<Group>> {
+            let time = rows.series[*number].time_s.as_deref();
             let mut groups = Vec::new();
-            for from in (0..series.len()).step_by(each) {
-                let to = (from + each).min(series.len());
+            for from in piece.clone().step_by(each) {
+                let to = (from + each).min(piece.end);
                 let span_s = time.map_or([0.0; 2], |time| [time[from], time[to - 1]]);
-                groups.push(Group { span_s, rows: rows.compressed(model, number, from..to, &row) });
+                let all = rows.map(&model.terms, *number, from..to, &row);
+                groups.push(Group { span_s, rows: compressed(all, count + 2) });
             }
             let ordered =
                 time.is_some() && groups.windows(2).all(|pair| pair[1].time_s() >= pair[0].time_s());
             (ordered || !timed).then_some(groups)
         };
-        let recordings: Vec<Vec<Group>> =
-            (0..rows.series.len()).into_par_iter().map(of).collect::<Option<_>>()?;
+        let recordings: Vec<Vec<Group>> = rows.pieces.par_iter().map(of).collect::<Option<_>>()?;
         let measured = rows.series.iter().all(|one| one.source == Source::Scalar);
         let memories: &[Memory] =
             if measured { &[Memory::Sensors] } else { &[Memory::Sensors, Memory::Magnitude] };
@@ -173,7 +183,6 @@ impl Groups {
         Self { recordings, columns, rows, each: 1.0, exponents: &EXPONENTS, memories }
     }
 
-    /// Rows before they were grouped.
     pub fn rows(&self) -> f64 {
         self.rows
     }
@@ -215,13 +224,13 @@ impl Groups {
     /// their covariance (σ = 1); `whole` where the mean magnitude of each recording is known.
     fn whitened(&self, form: Form, whole: bool) -> Option<(Mat<f64>, f64)> {
         let of = |groups: &Vec<Group>| {
-            let mut filling = Filling::new(self.columns);
-            let take = &mut |_: usize, row: &[f64]| filling.row(row.iter().copied());
+            let mut factor = Factor::new(self.columns);
+            let take = &mut |_: usize, row: &[f64]| factor.row(row.iter().copied());
             let logarithm = innovations(groups, self.columns, form, take)?;
             if form.of == Memory::Magnitude && whole {
-                filling.row(mean(groups, self.columns));
+                factor.row(mean(groups, self.columns));
             }
-            Some((filling.finish(), logarithm))
+            Some((factor.finish(), logarithm))
         };
         let parts: Vec<(Factor, f64)> =
             self.recordings.par_iter().filter(|groups| !groups.is_empty()).map(of).collect::<Option<_>>()?;
@@ -234,10 +243,10 @@ impl Groups {
     pub fn each_whitened(&self, form: Form) -> Option<Vec<Mat<f64>>> {
         let mut all = Vec::new();
         for groups in &self.recordings {
-            let mut fillings: Vec<Filling> = groups.iter().map(|_| Filling::new(self.columns)).collect();
-            let take = &mut |number: usize, row: &[f64]| fillings[number].row(row.iter().copied());
+            let mut factors = vec![Factor::new(self.columns); groups.len()];
+            let take = &mut |number: usize, row: &[f64]| factors[number].row(row.iter().copied());
             innovations(groups, self.columns, form, take)?;
-            all.extend(fillings.into_iter().map(|filling| filling.finish().upper()));
+            all.extend(factors.into_iter().map(|factor| factor.finish().upper()));
         }
         Some(all)
     }
@@ -250,8 +259,8 @@ impl Groups {
     }
 
     /// What is made of the rows by forms of noise, the first of them `base`, or by that alone where none is
-    /// searched for, and their weights by restricted likelihood, which are one together. None without times.
-    pub fn weighed(&self, held: &PriorRows, (base, searched): (Form, bool)) -> Option<Vec<Filtered>> {
+    /// searched for, weighed by restricted likelihood. None without times.
+    pub fn weighed(&self, held: &Linear, (base, searched): (Form, bool)) -> Option<Forms> {
         let step = self.step_s()?;
         let mut forms = vec![base];
         let row = step / self.each;
@@ -267,94 +276,100 @@ impl Groups {
             }
         }
         let prior = |place: usize| if place == 0 { ODDS } else { 1.0 / (forms.len() - 1) as f64 };
-        let mut filtered: Vec<(Filtered, f64)> = forms
-            .par_iter()
-            .enumerate()
-            .filter_map(|(place, form)| {
-                let (upper, logarithm) = self.whitened(*form, true)?;
-                let linear = Linear::of(&upper, 1.0);
-                let (variance, log_likelihood) = restricted(&linear, held, self.rows, logarithm)?;
-                Some((Filtered { form: *form, upper, variance, weight: prior(place) }, log_likelihood))
-            })
-            .collect();
-        let best = filtered.iter().map(|(_, likelihood)| *likelihood).fold(f64::NEG_INFINITY, f64::max);
-        filtered.iter_mut().for_each(|(one, likelihood)| one.weight *= (*likelihood - best).exp());
-        let total: f64 = filtered.iter().map(|(one, _)| one.weight).sum();
-        let of = |(one, _): (Filtered, f64)| Filtered { weight: one.weight / total, ..one };
-        let all: Vec<Filtered> = filtered.into_iter().map(of).filter(|one| one.weight > NEGLIGIBLE).collect();
-        (!all.is_empty()).then_some(all)
+        let weigh = |(place, form): (usize, &Form)| {
+            let (upper, logarithm) = self.whitened(*form, true)?;
+            let (variance, log_likelihood) =
+                restricted(&Linear::of(&upper, 1.0), held, self.rows, logarithm)?;
+            let linear = Linear::of(&upper, variance);
+            Some((Filtered { form: *form, linear, variance, weight: prior(place) }, log_likelihood))
+        };
+        let mut all: Vec<(Filtered, f64)> = forms.par_iter().enumerate().filter_map(weigh).collect();
+        let best = all.iter().map(|(_, likelihood)| *likelihood).fold(f64::NEG_INFINITY, f64::max);
+        all.iter_mut().for_each(|(one, likelihood)| one.weight *= (*likelihood - best).exp());
+        let total: f64 = all.iter().map(|(one, _)| one.weight).sum();
+        let counts = |one: &Filtered| one.weight / total > NEGLIGIBLE;
+        let all: Vec<Filtered> = all.into_iter().map(|(one, _)| one).filter(counts).collect();
+        (!all.is_empty()).then_some(Forms(all))
     }
 
     /// Averages a fit over the forms of noise, the first of them `base`, or takes that alone where none is
-    /// searched for: estimates by their weights, and the covariance within and between the forms. Gives the
-    /// heaviest form with its noise, nT; None where nothing was done.
+    /// searched for. Gives the heaviest form with its noise, nT; None where nothing was done.
     ///
     /// # Errors
     ///
-    /// [`crate::Error::Fit`] where a decomposition fails.
+    /// [`Error::Fit`] where a decomposition fails.
     pub fn average(
         &self,
         found: &mut FittedState,
-        (held, known): (&PriorRows, &PriorRows),
+        (held, known): (&Linear, &Linear),
         (base, searched, unit_nt): (Form, bool, f64),
-    ) -> Result<Option<(Form, Noise)>, crate::Error> {
-        let Some(filtered) = self.weighed(held, (base, searched)) else { return Ok(None) };
-        let all: PriorRows = held.iter().chain(known).cloned().collect();
-        let joint = mixture(&filtered, &all, &found.state)?;
-        let alone = mixture(&filtered, held, &found.state)?;
-        let heaviest = heaviest(&filtered);
-        let (step, covariance) = joint.result();
-        found.jacobian = if alone.full {
-            root(&alone.result().1)
-        } else {
-            Linear::of(&heaviest.upper, heaviest.variance).with(held, &found.state).jacobian
-        };
-        found.state.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
-        found.covariance = covariance;
+    ) -> Result<Option<(Form, Noise)>, Error> {
+        let Some(forms) = self.weighed(held, (base, searched)) else { return Ok(None) };
+        let joint = forms.average(&held.and(known), &found.state)?;
+        let alone = forms.average(held, &found.state)?;
+        let heaviest = forms.heaviest();
+        found.jacobian =
+            if alone.full { root(&alone.covariance) } else { heaviest.linear.and(held).jacobian };
+        found.state.iter_mut().zip(&joint.step).for_each(|(value, step)| *value += step);
+        found.covariance = joint.covariance;
         found.seen = Svd::of(found.jacobian.as_ref(), RANK_TOLERANCE)?;
         Ok(Some((heaviest.form, heaviest.noise(unit_nt))))
     }
 }
 
-/// The estimates of forms, averaged, with rows of what is known about a state.
-///
-/// # Errors
-///
-/// [`crate::Error::Fit`] where a decomposition fails.
-pub fn mixture(filtered: &[Filtered], known: &PriorRows, state: &[f64]) -> Result<Mixture, crate::Error> {
-    let mut all = Mixture::default();
-    for one in filtered {
-        all.add(one.weight, &Linear::of(&one.upper, one.variance), known, state)?;
+impl Forms {
+    /// The estimates with rows of what is known, about a state, averaged by the weights of the forms.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Fit`] where a decomposition fails.
+    pub fn average(&self, known: &Linear, state: &[f64]) -> Result<Average, Error> {
+        let count = state.len();
+        let known = known.about(state);
+        let total: f64 = self.0.iter().map(|one| one.weight).sum();
+        let (mut covariance, mut full) = (Mat::zeros(count, count), true);
+        let mut steps = Vec::new();
+        for one in &self.0 {
+            let linear = one.linear.and(&known);
+            let (svd, share) = (linear.svd()?, one.weight / total);
+            full &= svd.rank() == count;
+            covariance += svd.covariance() * Scale(share);
+            steps.push((share, svd.solve(&linear.right)));
+        }
+        let mean = |j: usize| steps.iter().map(|(share, step)| share * step[j]).sum();
+        let mean: Vec<f64> = (0..count).map(mean).collect();
+        for (share, step) in &steps {
+            let off = Col::from_fn(count, |j| step[j] - mean[j]);
+            covariance += &off * off.transpose() * Scale(*share);
+        }
+        Ok(Average { step: mean, covariance, full })
     }
-    Ok(all)
-}
 
-/// The form of the largest weight.
-pub fn heaviest(filtered: &[Filtered]) -> &Filtered {
-    filtered.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).expect("one at least has a weight")
+    /// The form of the largest weight.
+    pub fn heaviest(&self) -> &Filtered {
+        self.0.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).expect("one at least has a weight")
+    }
 }
 
 impl Filtered {
     /// The noise that it is, nT.
     pub fn noise(&self, unit_nt: f64) -> Noise {
         let sigma = self.variance.sqrt() * unit_nt;
-        let flicker = self.form.ratio * sigma * sigma;
+        let flicker = Some(self.form.ratio * sigma * sigma).filter(|flicker| *flicker > 0.0);
         Noise {
             white_rms_nt: Some(sigma),
-            flicker_nt2_per_hz_at_1hz: (flicker > 0.0).then_some(flicker),
-            flicker_exponent: (flicker > 0.0).then_some(self.form.exponent),
+            flicker_nt2_per_hz_at_1hz: flicker,
+            flicker_exponent: flicker.map(|_| self.form.exponent),
             ..Noise::default()
         }
     }
 }
 
 /// σ² and the restricted log likelihood, σ at its best: −½ ((n − p) ln σ² + ln |V| + ln |JᵀV⁻¹J|).
-fn restricted(linear: &Linear, held: &PriorRows, rows: f64, logarithm: f64) -> Option<(f64, f64)> {
-    // What is held is held where it stands.
-    let zero = vec![0.0; linear.jacobian.ncols()];
-    let fixed: PriorRows = held.iter().map(|(weights, _)| (weights.clone(), 0.0)).collect();
-    let Linear { jacobian, right } = linear.with(&fixed, &zero);
-    let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE).ok()?;
+fn restricted(linear: &Linear, held: &Linear, rows: f64, logarithm: f64) -> Option<(f64, f64)> {
+    let linear = linear.and(&held.fixed());
+    let svd = linear.svd().ok()?;
+    let Linear { jacobian, right } = linear;
     let step = svd.solve(&right);
     let left = (&jacobian * ColRef::from_slice(&step) - ColRef::from_slice(&right)).squared_norm_l2();
     let freedom = rows - svd.rank() as f64;
@@ -380,31 +395,17 @@ fn innovations(
         [one] => one.span_s.to_vec(),
         all => all.iter().map(Group::time_s).collect(),
     };
-    let (processes, white) = processes(&times, form)?;
-    let channels = form.of.channels();
-    let mut filter = Filter::new(&processes, channels);
-    let mut estimates = vec![vec![0.0; channels * processes.len()]; columns];
+    let mut filter = Filter::new(&times, form, columns)?;
+    let first = if form.of == Memory::Sensors { ALONG } else { columns };
+    let along = first..first + form.of.channels();
     let mut whitened = vec![0.0; columns];
     let mut logarithm = 0.0;
     let mut before = groups.first()?.time_s();
     for (number, group) in groups.iter().enumerate() {
-        if let Some(kept) = filter.wait(group.time_s() - before) {
-            for estimate in &mut estimates {
-                estimate.iter_mut().zip(&kept).for_each(|(value, kept)| *value *= kept);
-            }
-        }
+        filter.wait(group.time_s() - before);
         before = group.time_s();
         for row in &group.rows {
-            let first = if form.of == Memory::Sensors { ALONG } else { columns };
-            let along = &row[first..first + channels];
-            let variance = filter.read(along, 1.0 + white);
-            logarithm += variance.ln();
-            let deviation = variance.sqrt();
-            for ((to, estimate), value) in whitened.iter_mut().zip(&mut estimates).zip(row) {
-                let innovation = value - filter.predicted(along, estimate);
-                estimate.iter_mut().zip(&filter.gain).for_each(|(state, gain)| *state += gain * innovation);
-                *to = innovation / deviation;
-            }
+            logarithm += filter.row(&row[along.clone()], row, &mut whitened).ln();
             take(number, &whitened);
         }
     }

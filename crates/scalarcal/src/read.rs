@@ -46,47 +46,28 @@ impl Source {
 pub struct Series {
     /// Place in the document.
     pub index: usize,
-    /// Its id.
     pub id: String,
     /// Times of the rows, s; None where there are none.
     pub time_s: Option<Vec<f64>>,
     /// The rows of the recording that are used.
     pub rows: Vec<usize>,
-    /// Outputs of the sensors x, y, z.
     pub readings: [Vec<f64>; 3],
     /// The magnitude of the field, nT; one where it is not known.
     pub magnitude_nt: Vec<f64>,
-    /// Where that comes from.
     pub source: Source,
     /// Rows that lack a reading.
     pub missing: usize,
 }
 
 impl Series {
-    /// Number of rows.
     pub fn len(&self) -> usize {
         self.rows.len()
     }
 
-    /// The readings of a row.
     pub fn reading(&self, row: usize) -> [f64; 3] {
         self.readings.each_ref().map(|column| column[row])
     }
 
-    /// Some of its rows.
-    pub fn part(&self, from: usize, to: usize) -> Self {
-        let of = |column: &Vec<f64>| column[from..to].to_vec();
-        Self {
-            time_s: self.time_s.as_ref().map(of),
-            rows: self.rows[from..to].to_vec(),
-            readings: self.readings.each_ref().map(of),
-            magnitude_nt: of(&self.magnitude_nt),
-            id: self.id.clone(),
-            ..*self
-        }
-    }
-
-    /// JSON path of the recording.
     pub fn path(&self) -> String {
         format!("recordings[{}]", self.index)
     }
@@ -99,58 +80,49 @@ impl Series {
 /// No recording with sensors and a magnitude; a sensor that does not move; a reference in another unit;
 /// readings in V and in nT.
 pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>), Error> {
-    let mut all = Vec::new();
-    let mut units = Vec::new();
+    let mut all: Vec<(Unit, Series)> = Vec::new();
     let mut without = None;
-    for (index, recording) in document.recordings.iter().enumerate() {
-        if recording.procedure != procedure::FREE_RUN || driven(recording) {
-            continue;
-        }
+    for (index, recording) in document.recordings.iter().enumerate().filter(|(_, one)| is_free(one)) {
         recording.at_hand(&format!("recordings[{index}]"))?;
-        let Some(unit) = unit_of(recording) else { continue };
-        match series(recording, index, unit, options)? {
-            Some(one) => {
-                units.push((unit, index));
-                all.push(one);
-            }
-            None => without = without.or(Some((index, &recording.id))),
+        let Some(unit) = unit_of(|name| recording.column(name).is_some()) else { continue };
+        match magnitude(recording, index, options)? {
+            Some(magnitude) => all.push((unit, series(recording, index, unit, magnitude))),
+            None => without = without.or(Some((index, recording))),
         }
     }
-    let Some((unit, first)) = units.first().copied() else {
-        let Some((index, id)) = without else {
-            let expected = format!(
-                "a recording of procedure `{}` with `sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`) and `reference_nt`",
-                procedure::FREE_RUN
-            );
-            let free =
-                document.recordings.iter().find(|one| one.procedure == procedure::FREE_RUN && !driven(one));
-            let found = free.map_or("none that scalarcal can use".into(), |one| {
-                format!(
-                    "no readings of three sensors in \"{}\", whose columns are {}",
-                    one.id,
-                    names(one, "")
-                )
-            });
-            return Err(Error::document("recordings", found, expected));
-        };
-        let expected = format!(
-            "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or --constant-magnitude if the field was constant"
-        );
-        let beside = names(&document.recordings[index], "sensor_");
-        let found = format!(
-            "no magnitude of the field beside the readings of \"{id}\" (its other columns: {beside})"
-        );
-        return Err(Error::document(format!("recordings[{index}].columns"), found, expected));
+    let Some((unit, first)) = all.first().map(|(unit, one)| (*unit, one.index)) else {
+        return Err(nothing(document, without));
     };
-    if let Some((other, index)) = units.iter().find(|(other, _)| *other != unit) {
+    if let Some((other, one)) = all.iter().find(|(other, _)| *other != unit) {
         let found =
             format!("readings in {} where recordings[{first}] has them in {}", other.suffix(), unit.suffix());
-        return Err(Error::document(format!("recordings[{index}].columns"), found, "one unit throughout"));
+        return Err(Error::document(format!("{}.columns", one.path()), found, "one unit throughout"));
     }
-    for series in &all {
-        check(series, unit, document)?;
-    }
+    let all: Vec<Series> = all.into_iter().map(|(_, one)| one).collect();
+    all.iter().try_for_each(|series| check(series, unit, document))?;
     Ok((unit, all))
+}
+
+/// What is missing where no recording can be used; `without` has readings of the sensors, but no magnitude.
+fn nothing(document: &Document, without: Option<(usize, &Recording)>) -> Error {
+    let Some((index, recording)) = without else {
+        let expected = format!(
+            "a recording of procedure `{}` with `sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`) and `reference_nt`",
+            procedure::FREE_RUN
+        );
+        let free = document.recordings.iter().find(|one| is_free(one));
+        let found = free.map_or("none that scalarcal can use".into(), |one| {
+            format!("no readings of three sensors in \"{}\", whose columns are {}", one.id, names(one, ""))
+        });
+        return Error::document("recordings", found, expected);
+    };
+    let expected = format!(
+        "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or --constant-magnitude if the field was constant"
+    );
+    let (id, beside) = (&recording.id, names(recording, "sensor_"));
+    let found =
+        format!("no magnitude of the field beside the readings of \"{id}\" (its other columns: {beside})");
+    Error::document(format!("recordings[{index}].columns"), found, expected)
 }
 
 /// The columns that do not begin so, but for the times.
@@ -160,38 +132,38 @@ fn names(recording: &Recording, but: &str) -> String {
     if all.is_empty() { "none".into() } else { all.join(", ") }
 }
 
-/// Whether the field is made by coils.
-fn driven(recording: &Recording) -> bool {
-    recording.columns.keys().any(|name| name.starts_with("coil_") && !name.ends_with("_c"))
+/// Whether the field is that of the surroundings, and not made by coils.
+fn is_free(recording: &Recording) -> bool {
+    let driven = |name: &String| name.starts_with("coil_") && !name.ends_with("_c");
+    recording.procedure == procedure::FREE_RUN && !recording.columns.keys().any(driven)
 }
 
-/// The unit in which all three sensors are read.
-fn unit_of(recording: &Recording) -> Option<Unit> {
-    let all = |unit: &Unit| {
-        Axis::ALL.iter().all(|axis| recording.axis_column("sensor", *axis, unit.suffix()).is_some())
-    };
-    [Unit::Volt, Unit::Nanotesla].into_iter().find(all)
+/// The columns of the sensors in a unit.
+pub fn columns(unit: Unit) -> [String; 3] {
+    Axis::ALL.map(|axis| format!("sensor_{axis}_{}", unit.suffix()))
 }
 
+/// The unit in which all three sensors are read, by the columns that there are.
+pub fn unit_of(has: impl Fn(&String) -> bool) -> Option<Unit> {
+    [Unit::Volt, Unit::Nanotesla].into_iter().find(|unit| columns(*unit).iter().all(&has))
+}
+
+/// The rows with all readings.
 fn series(
     recording: &Recording,
     index: usize,
     unit: Unit,
-    options: &Options,
-) -> Result<Option<Series>, Error> {
-    let Some((source, magnitude)) = magnitude(recording, index, options)? else { return Ok(None) };
-    let columns =
-        Axis::ALL.map(|axis| recording.axis_column("sensor", axis, unit.suffix()).unwrap_or_default());
+    (source, magnitude): (Source, Vec<f64>),
+) -> Series {
+    let columns = columns(unit).map(|name| recording.column(&name).unwrap_or_default());
     let time = recording.column("time_s");
     let whole = |row: &usize| {
-        columns.iter().all(|column| column[*row].is_finite())
-            && magnitude[*row].is_finite()
-            && magnitude[*row] > 0.0
-            && time.is_none_or(|time| time[*row].is_finite())
+        let mut all = columns.iter().chain(&time).map(|column| column[*row]);
+        all.all(f64::is_finite) && magnitude[*row].is_finite() && magnitude[*row] > 0.0
     };
     let rows: Vec<usize> = (0..recording.rows()).filter(whole).collect();
     let of = |column: &[f64]| rows.iter().map(|row| column[*row]).collect::<Vec<f64>>();
-    Ok(Some(Series {
+    Series {
         index,
         id: recording.id.clone(),
         time_s: time.map(of),
@@ -200,7 +172,7 @@ fn series(
         source,
         missing: recording.rows() - rows.len(),
         rows,
-    }))
+    }
 }
 
 /// The magnitude of each row, nT.
@@ -267,19 +239,18 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
         Source::Ambient => format!("{path}.columns.ambient_x_nt"),
         _ => format!("{path}.conditions.{MAGNITUDE}"),
     };
-    let read = is_stated(document, unit).then(|| {
-        let basic = physics::Basic::found(document, unit);
-        let along = |axis: Axis| {
-            let scale = sensitivity(document, unit, axis).unwrap_or(1.0);
-            let offset = basic.sensors[axis.index()].offset_nt;
-            series.readings[axis.index()]
-                .iter()
-                .map(move |reading| scale * reading + offset)
-                .collect::<Vec<_>>()
-        };
-        size_of(&Axis::ALL.map(along), magnitude)
-    });
+    let read = is_stated(document, unit).then(|| size_of(&along(document, unit, series), magnitude));
     in_units(column, magnitude, read)
+}
+
+/// What the readings are along each sensor by the calibration that the document states, nT.
+pub fn along(document: &Document, unit: Unit, series: &Series) -> [Vec<f64>; 3] {
+    let basic = physics::Basic::found(document, unit);
+    Axis::ALL.map(|axis| {
+        let scale = sensitivity(document, unit, axis).unwrap_or(1.0);
+        let offset = basic.sensors[axis.index()].offset_nt;
+        series.readings[axis.index()].iter().map(|reading| scale * reading + offset).collect()
+    })
 }
 
 /// The usual length of the readings at the nominal sensitivity, nT.
@@ -303,9 +274,8 @@ pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(),
         return Ok(());
     }
     let other = unlike.unwrap_or(5e4) / magnitude;
-    let unit = [("µT", 1e3), ("mG", 1e2), ("G", 1e5), ("T", 1e9), ("pT", 1e-3)]
-        .into_iter()
-        .find(|(_, factor)| (1.0 / ALIKE..=ALIKE).contains(&(other / factor)));
+    let mut units = [("µT", 1e3), ("mG", 1e2), ("G", 1e5), ("T", 1e9), ("pT", 1e-3)].into_iter();
+    let unit = units.find(|(_, factor)| (1.0 / ALIKE..=ALIKE).contains(&(other / factor)));
     let beside =
         unlike.map(|read| format!(" beside readings of {} nT", significant(read, 4))).unwrap_or_default();
     let found = format!("a magnitude of {}{beside}", significant(magnitude, 4));

@@ -3,52 +3,34 @@
 use common::covariance;
 use common::uncertainty::{self, Block};
 use common::{
-    AdoptedEffect, AgainstKnown, Axis, Document, FieldDirections, Quantity, ReferenceOffset,
-    ScalarCalibration, ScalarParameter, ScalarStability, Uncertainty,
+    AdoptedEffect, AgainstKnown, Axis, Document, FieldDirections, Quantity, ScalarCalibration,
+    ScalarParameter, Uncertainty,
 };
 use estimate::{Svd, stats};
-use faer::{Col, ColRef, Mat, RowRef, Scale};
-use nalgebra::Matrix3;
+use faer::{ColRef, Mat, RowRef, Scale};
 use physics::Unit;
 use physics::frames::ARCSEC;
 
 use crate::directions::directions_by;
-use crate::fit::PriorRows;
-use crate::model::{AXES, Model, NINE, PAIRS, Parameter, State};
+use crate::linear::{Linear, deviations, unit};
+use crate::model::{AXES, NINE, PAIRS, Parameter};
 use crate::solved::{Detail, Solved};
 use crate::weakest;
 use crate::{Error, Options, findings};
 
-/// Who put an effect into the model.
-const FOUND_BY: (&str, &str) = ("found_by", "scalarcal");
 /// What shows all twelve parameters.
 const MORE_ATTITUDES: &str =
     "record further attitudes, so that the field lies along each sensor in both directions and between them";
 
-/// What was found beside the calibration.
-#[derive(Default)]
-pub struct Seen {
-    /// Rms of the residual, nT.
-    pub rms_nt: f64,
-    /// The same with the calibration as the document stated it.
-    pub rms_before_nt: Option<f64>,
-    /// What the reference reads too much.
-    pub reference_offset: Option<ReferenceOffset>,
-    /// The calibration in parts of the time.
-    pub stability: Option<ScalarStability>,
-    /// In sentences.
-    pub findings: Vec<String>,
-}
-
 /// Takes the calibration into the document.
 pub fn adopt(
     document: &mut Document,
-    solved: &Solved,
-    (detail, seen): (&Detail, Seen),
+    mut solved: Solved,
+    detail: &Detail,
     options: &Options,
 ) -> Result<(), Error> {
-    let scalar = describe(document, solved, (detail, seen), options);
-    let joint = joint(document, solved, options)?;
+    solved.scalar = describe(document, &solved, detail, options);
+    let joint = joint(document, &solved, options)?;
     let (state, scales) = (&solved.found.state, &solved.scales);
     let factor = stats::coverage_factor(0.95, solved.found.freedom);
     let suffix = solved.unit.suffix();
@@ -79,8 +61,8 @@ pub fn adopt(
     axes.offsets_nt = None;
     axes.cross_covariance = None;
     calibration.uncertainty = Some(joint);
-    calibration.scalar = Some(Box::new(scalar));
-    model(document, solved);
+    model(document, &solved);
+    document.calibration.get_or_insert_default().scalar = Some(Box::new(solved.scalar));
     Ok(())
 }
 
@@ -118,7 +100,7 @@ fn instances(solved: &Solved) -> Vec<(AdoptedEffect, Vec<usize>)> {
             sensor: effect.axis,
             column: effect.column.clone(),
             parameters,
-            extra: [(FOUND_BY.0.to_string(), FOUND_BY.1.into())].into_iter().collect(),
+            extra: [("found_by".to_string(), "scalarcal".into())].into_iter().collect(),
             ..AdoptedEffect::default()
         };
         (effect, places)
@@ -131,42 +113,33 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
     let Solved { model, found, scales, units, .. } = solved;
     let count = model.parameters.len();
     let suffix = solved.unit.suffix();
-    let single = |place: usize, factor: f64| {
-        let mut row = vec![0.0; count];
-        row[place] = factor;
-        row
-    };
-    let mut parameters = Vec::new();
-    let mut rows = Vec::new();
+    let single = |place: usize, factor: f64| unit(place, count).iter().map(|one| one * factor).collect();
+    let mut all: Vec<(String, Vec<f64>)> = Vec::new();
     for axis in Axis::ALL {
         let k = axis.index();
-        parameters.push(uncertainty::sensitivity(axis, suffix));
-        rows.push(single(k, scales.sensitivity[k]));
-        parameters.push(uncertainty::sensor_offset(axis));
-        rows.push(single(3 + k, scales.magnitude_nt));
+        all.push((uncertainty::sensitivity(axis, suffix), single(k, scales.sensitivity[k])));
+        all.push((uncertainty::sensor_offset(axis), single(3 + k, scales.magnitude_nt)));
     }
-    parameters.extend(uncertainty::directions("sensors"));
-    rows.extend(cosines_by(model, &found.state, &solved.mu));
+    // Of the nine elements of μ, column by column.
+    let by = directions_by(model, &found.state, &solved.mu);
+    let cosine = |k: usize| by.iter().map(move |by| by.map_or(0.0, |by| by[(k % 3, k / 3)])).collect();
+    all.extend(uncertainty::directions("sensors").into_iter().zip((0..9).map(cosine)));
     for (effect, places) in instances(solved) {
         for (name, place) in effect.parameters.keys().zip(places) {
-            parameters.push(uncertainty::effect(&effect, name));
-            rows.push(single(place, units[place - NINE]));
+            all.push((uncertainty::effect(&effect, name), single(place, units[place - NINE])));
         }
     }
-    let map = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
+    let (parameters, rows): (Vec<String>, Vec<Vec<f64>>) = all.into_iter().unzip();
+    let map = covariance::matrix(&rows);
     // What is known beforehand moves the parameters by C Wᵀ W.
-    let known: &PriorRows = if options.known { &solved.beforehand.rows } else { &Vec::new() };
-    let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
-    let gain = &found.covariance * weights.transpose() * &weights;
+    let known = if options.known { solved.beforehand.rows.clone() } else { Linear::none(count) };
+    let gain = &found.covariance * known.jacobian.transpose() * &known.jacobian;
     let own = positive(&(&found.covariance - &gain * &found.covariance), &found.covariance)?;
     let covariance = &map * own * map.transpose();
     let by_nine = &map * gain.subcols(0, NINE);
     let moved = |nine: &[f64]| (&by_nine * ColRef::from_slice(nine)).iter().copied().collect();
-    let by = if options.known {
-        solved.beforehand.by.iter().map(|(path, nine)| (path.clone(), moved(nine))).collect()
-    } else {
-        Vec::new()
-    };
+    let known = solved.beforehand.by.iter().filter(|_| options.known);
+    let by = known.map(|(path, nine)| (path.clone(), moved(nine))).collect();
     let mut joint = Uncertainty::of(document)?;
     let added: Vec<String> = Axis::ALL.into_iter().map(uncertainty::added_offset).collect();
     joint
@@ -190,7 +163,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
 /// [`Error::Unanswerable`] where the decomposition fails.
 fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let count = whole.nrows();
-    let scale: Vec<f64> = (0..count).map(|k| whole[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
+    let scale = deviations(whole);
     let scaled =
         Mat::from_fn(count, count, |i, j| 0.5 * (share[(i, j)] + share[(j, i)]) / (scale[i] * scale[j]));
     let own = scaled.self_adjoint_eigen(faer::Side::Lower).map_err(|_| {
@@ -201,51 +174,28 @@ fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
     Ok(&root * root.transpose())
 }
 
-/// Derivatives of the nine elements of μ, column by column, by the state.
-fn cosines_by(model: &Model, state: &State, mu: &Matrix3<f64>) -> Vec<Vec<f64>> {
-    let by = directions_by(model, state, mu);
-    let of = |k: usize| by.iter().map(move |by| by.map_or(0.0, |by| by[(k % 3, k / 3)])).collect();
-    (0..9).map(of).collect()
-}
-
 /// What is said of the calibration.
-fn describe(
-    document: &Document,
-    solved: &Solved,
-    (detail, seen): (&Detail, Seen),
-    options: &Options,
-) -> ScalarCalibration {
+fn describe(document: &Document, solved: &Solved, detail: &Detail, options: &Options) -> ScalarCalibration {
     let Solved { model, found, scales, .. } = solved;
     let earlier = earlier(document, solved);
     // Known beforehand and by the magnitude together is not the readings alone.
-    let mixed = options.known && solved.vector.is_some();
-    let beforehand = if earlier || mixed { None } else { against_known(solved, options) };
+    let mixed = options.known && solved.scalar.vector.is_some();
     let mut scalar = ScalarCalibration {
-        recordings: solved.recordings.clone(),
-        rows: solved.rows,
-        missing: solved.missing,
-        left_out: solved.left_out.iter().cloned().collect(),
         reference: solved.sources.iter().map(|source| source.words()).collect::<Vec<_>>().join("; "),
-        rms_nt: seen.rms_nt,
-        rms_before_nt: seen.rms_before_nt,
-        vector: solved.vector.clone(),
-        includes_body: solved.includes_body,
-        body: solved.body.clone(),
-        noise: solved.noise.clone(),
         memory_of: (solved.form.ratio > 0.0).then(|| solved.form.of.name().into()),
         sensor_noise_nt: found.sensor.sqrt() * solved.unit_nt(),
         reference_noise_nt: found.reference.sqrt() * solved.unit_nt(),
         parameters: parameters(solved, earlier, mixed),
         rank: found.seen.rank(),
-        findings: solved.told.clone(),
-        ..ScalarCalibration::default()
+        beforehand: if earlier || mixed { None } else { against_known(solved, options) },
+        ..solved.scalar.clone()
     };
     let rows = detail.rows(*scales);
     let directions = weakest::directions(&rows, model, &found.state, &solved.mu);
     let fields: Vec<_> = directions.iter().map(|(_, _, field)| *field).collect();
     let of = (fields.as_slice(), scales.magnitude_nt);
     scalar.weakest = weakest::weakest(model, &found.state, &found.jacobian, of, &solved.mu);
-    if let Some(weakest) = scalar.weakest.as_mut().filter(|_| solved.vector.is_some()) {
+    if let Some(weakest) = scalar.weakest.as_mut().filter(|_| solved.scalar.vector.is_some()) {
         // What further rotations show by the magnitude is not what they show by the direction.
         weakest.remedy = MORE_ATTITUDES.into();
         weakest.std_after_nt = None;
@@ -254,19 +204,9 @@ fn describe(
         unit: fields.iter().map(|field| field.normalize().into()).collect(),
         residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
     });
-    scalar.findings.extend(seen.findings);
-    scalar.findings.extend(findings::of(
-        solved,
-        seen.reference_offset.as_ref(),
-        beforehand.as_ref(),
-        seen.stability.as_ref(),
-    ));
-    ScalarCalibration {
-        reference_offset: seen.reference_offset,
-        beforehand,
-        stability: seen.stability,
-        ..scalar
-    }
+    let findings = findings::of(solved, &scalar);
+    scalar.findings.extend(findings);
+    scalar
 }
 
 /// Whether the calibration of the document was found from some of the same recordings; those that are joined
@@ -277,7 +217,7 @@ pub fn earlier(document: &Document, solved: &Solved) -> bool {
         |ids: &[String]| ids.iter().flat_map(|id| id.split(" + ")).map(str::to_string).collect::<Vec<_>>();
     before.is_some_and(|before| {
         let earlier = single(&before.recordings);
-        single(&solved.recordings).iter().any(|id| earlier.contains(id))
+        single(&solved.scalar.recordings).iter().any(|id| earlier.contains(id))
     })
 }
 
@@ -285,64 +225,53 @@ pub fn earlier(document: &Document, solved: &Solved) -> bool {
 fn parameters(solved: &Solved, earlier: bool, mixed: bool) -> Vec<ScalarParameter> {
     let Solved { model, found, .. } = solved;
     let count = model.parameters.len();
-    let information = found.jacobian.transpose() * &found.jacobian;
     let alone = (found.seen.rank() == count && !mixed).then(|| found.seen.covariance());
-    let mut with = information;
-    for (weights, _) in &solved.beforehand.rows {
-        for i in 0..count {
-            (0..count).for_each(|j| with[(i, j)] += weights[i] * weights[j]);
-        }
-    }
-    let with = (!earlier && !solved.beforehand.rows.is_empty())
+    let known = &solved.beforehand.rows.jacobian;
+    let with = found.jacobian.transpose() * &found.jacobian + known.transpose() * known;
+    let with = (!earlier && known.nrows() > 0)
         .then(|| Svd::of(with.as_ref(), 1e-15).ok())
         .flatten()
         .filter(|svd| svd.rank() == count)
         .map(|svd| (0..count).map(|k| svd.solve(&unit(k, count))[k].max(0.0).sqrt()).collect::<Vec<f64>>());
-    (0..count)
-        .map(|place| {
-            let (name, of, value, scale) = described(solved, place);
-            let std = |variance: f64| variance.max(0.0).sqrt() * scale;
-            ScalarParameter {
-                name,
-                unit: of,
-                value,
-                std: std(found.covariance[(place, place)]),
-                std_alone: alone
-                    .as_ref()
-                    .map(|alone| std(alone[(place, place)]))
-                    .filter(|std| std.is_finite()),
-                std_with_known: with.as_ref().map(|with| with[place] * scale),
-            }
-        })
-        .collect()
-}
-
-fn unit(place: usize, count: usize) -> Vec<f64> {
-    (0..count).map(|k| if k == place { 1.0 } else { 0.0 }).collect()
+    let of = |place: usize| {
+        let (name, unit, value, scale) = described(solved, place);
+        let std = |variance: f64| variance.max(0.0).sqrt() * scale;
+        let std_alone = alone.as_ref().map(|alone| std(alone[(place, place)]));
+        ScalarParameter {
+            name,
+            unit: unit.into(),
+            value,
+            std: std(found.covariance[(place, place)]),
+            std_alone: std_alone.filter(|std| std.is_finite()),
+            std_with_known: with.as_ref().map(|with| with[place] * scale),
+        }
+    };
+    (0..count).map(of).collect()
 }
 
 /// Name, unit, value and what a unit of the state is in that unit.
-pub fn described(solved: &Solved, place: usize) -> (String, String, f64, f64) {
+pub fn described(solved: &Solved, place: usize) -> (String, &'static str, f64, f64) {
     let Solved { model, found, scales, .. } = solved;
     let value = found.state[place];
-    let linear = |name: String, unit: &str, scale: f64| (name, unit.to_string(), value * scale, scale);
-    match &model.parameters[place] {
+    let mut name = model.parameters[place].name();
+    let (unit, scale) = match &model.parameters[place] {
         Parameter::Sensitivity(axis) => {
             let unit = if solved.unit == Unit::Volt { "nT/V" } else { "nT/nT" };
-            linear(format!("sensitivity of {}", AXES[*axis]), unit, scales.sensitivity[*axis])
+            (unit, scales.sensitivity[*axis])
         }
-        Parameter::Offset(axis) => linear(format!("offset of {}", AXES[*axis]), "nT", scales.magnitude_nt),
+        Parameter::Offset(_) | Parameter::ReferenceOffset | Parameter::Magnitude => {
+            ("nT", scales.magnitude_nt)
+        }
         Parameter::Cosine(pair) => {
             let [a, b] = PAIRS[*pair];
-            let scale = 1.0 / (1.0 - value * value).max(1e-12).sqrt() / ARCSEC;
-            let name = format!("{}{} off a right angle", AXES[a], AXES[b]);
-            (name, "arcsec".into(), value.clamp(-1.0, 1.0).asin() / ARCSEC, scale)
+            name = format!("{}{} off a right angle", AXES[a], AXES[b]);
+            let angle = value.clamp(-1.0, 1.0).asin() / ARCSEC;
+            return (name, "arcsec", angle, 1.0 / (1.0 - value * value).max(1e-12).sqrt() / ARCSEC);
         }
-        Parameter::Effect { name, .. } => linear(name.clone(), "", solved.units[place - NINE]),
-        Parameter::ReferenceOffset => linear("offset of the reference".into(), "nT", scales.magnitude_nt),
-        Parameter::Magnitude => linear("magnitude of the field".into(), "nT", scales.magnitude_nt),
-        Parameter::Turn(_) => linear(model.parameters[place].name(), "arcsec", 1.0 / ARCSEC),
-    }
+        Parameter::Effect { .. } => ("", solved.units[place - NINE]),
+        Parameter::Turn(_) => ("arcsec", 1.0 / ARCSEC),
+    };
+    (name, unit, value * scale, scale)
 }
 
 /// The readings alone against what was known beforehand.
@@ -352,21 +281,19 @@ fn against_known(solved: &Solved, options: &Options) -> Option<AgainstKnown> {
     if known.is_empty() || found.seen.rank() < count {
         return None;
     }
-    let alone = found.seen.covariance();
-    let weights = Mat::from_fn(known.len(), count, |i, j| known[i].0[j]);
-    let mut covariance = &weights * alone * weights.transpose();
-    let mut residual =
-        Col::from_fn(known.len(), |k| known[k].1) - &weights * ColRef::from_slice(&found.state);
+    let weights = &known.jacobian;
+    let mut covariance = weights * found.seen.covariance() * weights.transpose();
+    let mut residual = ColRef::from_slice(&known.about(&found.state).right).to_owned();
     if options.known {
         // At the joint minimum the readings pull as much as what is known does, Jᵀr = −Wᵀρ: without it the
         // state is C Wᵀρ away.
         residual = &residual + &covariance * &residual;
     }
-    (0..known.len()).for_each(|k| covariance[(k, k)] += 1.0);
+    covariance += Mat::<f64>::identity(weights.nrows(), weights.nrows());
     let svd = Svd::of(covariance.as_ref(), 1e-14).ok()?;
     let solved = svd.solve(residual.try_as_col_major()?.as_slice());
     let chi_squared = RowRef::from_slice(&solved) * &residual;
-    let degrees_of_freedom = known.len() as f64;
+    let degrees_of_freedom = weights.nrows() as f64;
     let p_value = stats::chi_squared_p(chi_squared, degrees_of_freedom);
     (chi_squared >= 0.0).then_some(AgainstKnown {
         chi_squared,

@@ -3,9 +3,9 @@
 use estimate::robust::{bisquare, scale_of};
 
 use crate::Error;
+use crate::declared::Given;
 use crate::design::Rows;
-use crate::fit::{PriorRows, Sums, fit};
-use crate::model::{Model, State};
+use crate::fitted::Fitted;
 
 /// Most rounds of reweighting.
 const ROUNDS: usize = 30;
@@ -18,16 +18,10 @@ const SETTLED: f64 = 1e-6;
 /// # Errors
 ///
 /// [`Error::Unanswerable`] where more than half of the residuals are zero.
-pub fn kept(
-    model: &Model,
-    rows: &mut Rows<'_>,
-    (sensor, reference): (Option<f64>, f64),
-    (held, known): (&PriorRows, &PriorRows),
-    start: &State,
-) -> Result<Vec<Vec<bool>>, Error> {
-    let mut state = start.clone();
+pub fn kept(given: &Given<'_>, fitted: &Fitted, rows: &mut Rows<'_>) -> Result<Vec<Vec<bool>>, Error> {
+    let mut state = fitted.found.state.clone();
     for _ in 0..ROUNDS {
-        let residuals = rows.residuals(model, &state);
+        let residuals = rows.residuals(&fitted.model, &state);
         let mut sizes: Vec<f64> = residuals.iter().flatten().map(|value| value.abs()).collect();
         let scale = scale_of(&mut sizes);
         if scale <= 0.0 || scale.is_nan() {
@@ -48,9 +42,8 @@ pub fn kept(
         if change < SETTLED {
             break;
         }
-        let plain = rows.factor(&model.terms);
-        let sums = Sums { plain: &plain, sensor, reference, held };
-        state = fit(model, &sums, known, std::slice::from_ref(&state))?.state;
+        let plain = rows.factor(&fitted.model.terms);
+        state = fitted.again(given, &plain, &state)?.state;
     }
     let weights = rows.weights.take().ok_or_else(|| {
         Error::Unanswerable(

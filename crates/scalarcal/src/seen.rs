@@ -1,53 +1,48 @@
 //! What the readings say beside the calibration itself.
 
 use common::{Document, Quantity, ReferenceOffset};
-use estimate::{Svd, stats};
+use estimate::stats;
 
 use crate::fit::FittedState;
-use crate::kalman::WHITE;
-use crate::linear::Linear;
 use crate::model::{Model, NINE, Parameter, State};
 use crate::noise::Groups;
 use crate::read::Source;
-use crate::result::{Seen, earlier};
+use crate::result::earlier;
 use crate::solved::{Detail, Solved};
 use crate::{Error, Options, checks, stability, start};
 
 /// A constant error of the reference is asked for where the magnitude varies by so many times the residuals:
 /// less is noise of the reference in part, and biases what follows it.
 const VARIES: f64 = 10.0;
-/// Singular values below this share of the largest count as zero.
-const RANK_TOLERANCE: f64 = 1e-9;
 
-/// What rows that are at hand say.
+/// Adds what rows that are at hand say.
 ///
 /// # Errors
 ///
 /// [`Error::Fit`] where a decomposition fails; windows that cannot be.
 pub fn of_rows(
     document: &Document,
-    solved: &Solved,
+    solved: &mut Solved,
     detail: &Detail,
     options: &Options,
-) -> Result<Seen, Error> {
-    let mut findings = Vec::new();
-    if !options.robust {
-        findings.extend(checks::disturbed(&detail.series, &detail.residuals));
-    }
-    let rows = || detail.rows(solved.scales);
+) -> Result<(), Error> {
     let magnitudes = || detail.series.iter().flat_map(|one| &one.magnitude_nt);
     let count = magnitudes().count() as f64;
     let mean = magnitudes().sum::<f64>() / count;
     let varies_nt = (magnitudes().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let groups =
-        |model: &Model, found: &FittedState| detail.groups(solved, model, found, solved.form != WHITE);
-    Ok(Seen {
-        rms_nt: rms(&detail.residuals),
-        rms_before_nt: before(document, solved).map(|state| rms(&rows().residuals(&solved.model, &state))),
-        reference_offset: reference_offset(solved, varies_nt, groups)?,
-        stability: stability::of(solved, stability::parts(solved, detail, options)?)?,
-        findings,
-    })
+    let rows = detail.rows(solved.scales);
+    let plain = Some(&detail.plain);
+    let groups = |model: &Model, found: &FittedState| solved.groups(&rows, plain, model, found);
+    let before = before(document, solved).map(|state| rms(&rows.residuals(&solved.model, &state)));
+    let reference_offset = reference_offset(solved, varies_nt, groups)?;
+    let stability = stability::of(solved, stability::parts(solved, detail, options)?)?;
+    let scalar = &mut solved.scalar;
+    if !options.robust {
+        scalar.findings.extend(checks::disturbed(&detail.series, &detail.residuals));
+    }
+    (scalar.rms_nt, scalar.rms_before_nt) = (rms(&detail.residuals), before);
+    (scalar.reference_offset, scalar.stability) = (reference_offset, stability);
+    Ok(())
 }
 
 fn rms(residuals: &[Vec<f64>]) -> f64 {
@@ -76,7 +71,7 @@ pub fn reference_offset(
 ) -> Result<Option<ReferenceOffset>, Error> {
     let Solved { model, found, scales, known, .. } = solved;
     let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));
-    if !read || model.place(&Parameter::Magnitude).is_some() || solved.vector.is_some() {
+    if !read || model.place(&Parameter::Magnitude).is_some() || solved.scalar.vector.is_some() {
         return Ok(None);
     }
     // In a field that hardly varies a constant error of the reference is one of all sensitivities.
@@ -104,14 +99,13 @@ pub fn reference_offset(
     beside.state.push(0.0);
     let variance = solved.white_variance();
     let linear = groups(&model, &beside).and_then(|groups| groups.linear(solved.form, variance, true));
-    let Some(Linear { jacobian, right }) = linear.map(|linear| linear.with(known, &found.state)) else {
-        return Ok(None);
-    };
-    let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
+    let Some(linear) = linear else { return Ok(None) };
+    let linear = linear.and(&known.padded(last + 1).about(&beside.state));
+    let svd = linear.svd()?;
     if svd.rank() <= last {
         return Ok(None);
     }
-    let (step, covariance) = (svd.solve(&right), svd.covariance());
+    let (step, covariance) = (svd.solve(&linear.right), svd.covariance());
     Ok(Some(of(step[last], covariance[(last, last)], false))
         .filter(|found| found.offset_nt.value().is_finite()))
 }

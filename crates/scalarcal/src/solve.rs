@@ -1,44 +1,40 @@
 //! From the recordings to the calibration.
 
+use common::Document;
 use common::number::counted;
-use common::{Document, Noise};
 use nalgebra::Matrix3;
 use physics::{Basic, EffectInstance, Unit};
 
-use crate::declared::{declared_form, reference_variance, sensor_variance};
+use crate::declared::Given;
 use crate::design::{Rows, Scales};
-use crate::determined::{determined, short, wandering};
+use crate::determined::wandering;
+use crate::directions::frame;
 use crate::effects::{Following, asked, following, taken_off};
-use crate::factor::Factor;
-use crate::fit::{FittedState, PriorRows, Sums, fit};
+use crate::fitted::Fitted;
 use crate::kalman::WHITE;
-use crate::known::{Beforehand, beforehand};
-use crate::model::{Model, NINE, Parameter, State};
+use crate::model::{Model, Parameter, State};
 use crate::noise::Groups;
 use crate::read::{Series, Source, is_stated, read};
 use crate::solved::{Detail, Solved};
-use crate::weakest::frame;
+use crate::terms::ONE;
 use crate::{Error, Options, checks, robust, start};
 
 /// Rounds in which what effects follow, and what those of the model add, settle with the sensors.
 const ROUNDS: usize = 3;
-/// Relative standard uncertainty with which a scale that nothing shows is held.
-const HELD: f64 = 1e-9;
 
 /// Finds the calibration.
 ///
 /// # Errors
 ///
-/// As [`read`] and [`fit`]; rotations that do not determine the calibration.
+/// As [`read`] and [`crate::fit::fit`]; rotations that do not determine the calibration.
 pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
     let (unit, mut series) = read(document, options)?;
-    let mut told = Vec::new();
     let mut left_out = checks::saturated(checks::without_saturated(&mut series));
     let repeated = checks::without_repeated(&mut series);
     if repeated > 0 {
-        left_out.push(("repeated readings".into(), repeated as u64));
+        left_out.push(("repeated readings".into(), repeated));
     }
-    unlike(&mut series, &mut told);
+    let mut told: Vec<String> = unlike(&mut series).into_iter().collect();
     series.retain(|one| one.len() > 0);
     let constant = series.iter().all(|one| one.source == Source::Constant);
     if constant && !is_stated(document, unit) {
@@ -58,127 +54,56 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     // What is fitted anew is not taken off.
     adopted.retain(|one| !effects.iter().any(|other| replaces(other, one)));
     let stated = stated_magnitude(document, &series)?;
-    let read = series.iter().any(|one| matches!(one.source, Source::Scalar | Source::Ambient));
-    let reference = reference_variance(document, read, &scales);
-    let sensor = sensor_variance(document, unit, &scales);
-    let like = Basic::found(document, unit).mu;
+    let mut given = Given { constant, stated, ..Given::of(document, options, unit, scales) };
+    if !series.iter().any(|one| matches!(one.source, Source::Scalar | Source::Ambient)) {
+        given.reference = 0.0;
+    }
 
-    let more = |following: &Following| {
-        let mut more = following.parameters.clone();
+    let (mut current, mut follow) = (series.clone(), Following::nothing(series.len()));
+    let fit = |current: &[Series], follow: &Following, before: Option<&Fitted>| {
+        let mut more = follow.parameters.clone();
         if options.reference_offset && !constant {
             more.push(Parameter::ReferenceOffset);
         }
         if constant || stated.is_some() {
             more.push(Parameter::Magnitude);
         }
-        more
-    };
-    let raw = series;
-    let none = Following { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); raw.len()] };
-    let mut current = raw.clone();
-    let mut follow = none;
-    let mut last: Option<(Model, Beforehand, FittedState, Factor)> = None;
-    let rounds = if effects.is_empty() && adopted.is_empty() { 1 } else { ROUNDS };
-    for _ in 0..rounds {
-        if let Some((_, _, found, _)) = &last {
-            let basic = basic(&found.state, &scales, &like);
-            current = taken_off(document, &raw, &basic, &adopted)?;
-            follow = following(document, &current, &scales, &basic, &effects)?;
-        }
-        let columns = follow.columns[0].len();
-        let model = Model::new(crate::terms::ONE + 1 + columns, more(&follow));
-        let rows = Rows { series: &current, scales, follows: follow.columns.clone(), weights: None };
+        let model = Model::new(ONE + 1 + follow.columns[0].len(), more);
+        let rows = Rows::new(current, scales, &follow.columns);
         let plain = rows.factor(&model.terms);
-        let beforehand = beforehand(document, unit, &scales, &model)?;
-        let held = held(&model, &beforehand, options, (constant, stated));
-        let starts = match &last {
-            Some((_, _, before, _)) => {
-                let mut neutral = model.nominal();
-                neutral[..NINE].copy_from_slice(&before.state[..NINE]);
-                vec![neutral]
-            }
-            None => start::starts(document, unit, &scales, &model, &plain)?,
-        };
-        let sums = Sums { plain: &plain, sensor, reference, held: &held };
-        let found = fit(&model, &sums, &used(&beforehand, options), &starts).map_err(|error| {
-            short(&model, &sums, &rows, &starts, &like, options, &beforehand).unwrap_or(error)
-        })?;
-        last = Some((model, beforehand, found, plain));
-    }
-    let (model, beforehand, mut found, mut plain) =
-        last.ok_or_else(|| Error::Unanswerable("no rows".into()))?;
-    let held = held(&model, &beforehand, options, (constant, stated));
-    let known = used(&beforehand, options);
-    let mut kept = current;
-    let mut follows = follow.columns;
-    if options.robust {
-        let mut rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
-        let keep = robust::kept(&model, &mut rows, (sensor, reference), (&held, &known), &found.state)?;
-        let mut count = 0;
-        for ((one, columns), keep) in kept.iter_mut().zip(&mut follows).zip(&keep) {
-            count += keep.iter().filter(|keep| !**keep).count() as u64;
-            checks::retain(one, keep);
-            for column in columns.iter_mut() {
-                let mut flags = keep.iter();
-                column.retain(|_| *flags.next().unwrap_or(&true));
-            }
-        }
-        left_out.push(("outliers (--robust)".into(), count));
-        let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
-        plain = rows.factor(&model.terms);
-        let sums = Sums { plain: &plain, sensor, reference, held: &held };
-        found = fit(&model, &sums, &known, std::slice::from_ref(&found.state))?;
-    }
-    let rows = Rows { series: &kept, scales, follows: follows.clone(), weights: None };
-    let unit_nt = scales.magnitude_nt * model.scale(&found.state);
-    let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * unit_nt), ..Noise::default() };
-    let declared = declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
-    let white = declared == Some(WHITE);
-    let groups = if white { None } else { Groups::of(&rows, &model, &found, true) };
-    let by_rotations = found.clone();
-    let averaged = groups
-        .map(|groups| {
-            groups.average(
-                &mut found,
-                (&held, &known),
-                (declared.unwrap_or(WHITE), declared.is_none(), unit_nt),
-            )
-        })
-        .transpose()?
-        .flatten();
-    let (form, noise) = averaged.unwrap_or((WHITE, alone));
-    let residuals = rows.residuals(&model, &found.state);
-    let mu = frame(&found.state, &like);
-    let mut sources: Vec<Source> = kept.iter().map(|one| one.source).collect();
-    sources.sort_unstable();
-    sources.dedup();
-    let mut solved = Solved {
-        unit,
-        scales,
-        units: follow.units,
-        effects,
-        noise,
-        form,
-        white,
-        beforehand,
-        known: held.iter().chain(&known).cloned().collect(),
-        held,
-        mu,
-        recordings: kept.iter().map(|one| one.id.clone()).collect(),
-        sources,
-        rows: kept.iter().map(|one| one.len() as u64).sum(),
-        missing: kept.iter().map(|one| one.missing as u64).sum(),
-        left_out,
-        told,
-        body: None,
-        includes_body: true,
-        vector: None,
-        model,
-        found,
+        Fitted::of(&given, model, &rows, before, plain)
     };
-    let detail = Detail { series: kept, residuals, follows, plain };
-    determined(&solved, &by_rotations, &detail, options)?;
-    solved.told.extend(wandering(&solved));
+    let mut fitted = fit(&current, &follow, None)?;
+    let rounds = if effects.is_empty() && adopted.is_empty() { 1 } else { ROUNDS };
+    for _ in 1..rounds {
+        let basic = basic(&fitted.found.state, &scales, &given.mu);
+        current = taken_off(document, &series, &basic, &adopted)?;
+        follow = following(document, &current, &scales, &basic, &effects)?;
+        fitted = fit(&current, &follow, Some(&fitted))?;
+    }
+    if options.robust {
+        let mut rows = Rows::new(&current, scales, &follow.columns);
+        let keep = robust::kept(&given, &fitted, &mut rows)?;
+        let count = keep.iter().flatten().filter(|keep| !**keep).count();
+        left_out.push(("outliers (--robust)".into(), count as u64));
+        for ((one, columns), keep) in current.iter_mut().zip(&mut follow.columns).zip(&keep) {
+            checks::retain(one, keep);
+            columns.iter_mut().for_each(|column| *column = checks::those(column, keep));
+        }
+        let rows = Rows::new(&current, scales, &follow.columns);
+        fitted.plain = rows.factor(&fitted.model.terms);
+        fitted.found = fitted.again(&given, &fitted.plain, &fitted.found.state)?;
+    }
+    let data = (current, follow.columns);
+    let (mut solved, detail) =
+        fitted.solved(&given, data, (effects, follow.units), |fitted, rows, declared, unit_nt| {
+            let Some(groups) = Groups::of(rows, &fitted.model, &fitted.found, true) else { return Ok(None) };
+            let forms = (declared.unwrap_or(WHITE), declared.is_none(), unit_nt);
+            groups.average(&mut fitted.found, (&fitted.held, &fitted.known), forms)
+        })?;
+    told.extend(wandering(&solved));
+    solved.scalar.findings = told;
+    solved.scalar.left_out.extend(left_out);
     Ok((solved, detail))
 }
 
@@ -201,15 +126,15 @@ fn replaces(fitted: &EffectInstance, one: &EffectInstance) -> bool {
     of(fitted) == of(one)
 }
 
-/// Recordings of a magnitude that is not known are of no use beside ones where it is.
-fn unlike(series: &mut Vec<Series>, told: &mut Vec<String>) {
+/// Leaves out recordings of a magnitude that is not known beside ones where it is; says so in a sentence.
+fn unlike(series: &mut Vec<Series>) -> Option<String> {
     let known = series.iter().any(|one| one.source != Source::Constant);
     let before = series.len();
     series.retain(|one| !known || one.source != Source::Constant);
-    if series.len() < before {
-        let left = counted(before - series.len(), "recording");
-        told.push(format!("{left} without a known magnitude left out: others have one"));
-    }
+    let left = before - series.len();
+    (left > 0).then(|| {
+        format!("{} without a known magnitude left out: others have one", counted(left, "recording"))
+    })
 }
 
 /// Relative standard uncertainty of a stated magnitude.
@@ -233,37 +158,4 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
         return Err(Error::document(path, found, expected));
     }
     Ok(Some(first.1))
-}
-
-/// The rows for scales that nothing shows.
-fn held(
-    model: &Model,
-    beforehand: &Beforehand,
-    options: &Options,
-    (constant, stated): (bool, Option<f64>),
-) -> PriorRows {
-    let mut rows = PriorRows::new();
-    if let Some(place) = model.place(&Parameter::Magnitude) {
-        let mut weights = vec![0.0; model.parameters.len()];
-        match stated {
-            Some(std) => {
-                weights[place] = 1.0 / std;
-                rows.push((weights, 1.0 / std));
-            }
-            // Only the ratio of magnitude and sensitivities is seen: the mean sensitivity is held at what is
-            // known of it.
-            None if constant && !options.known => {
-                let mean = beforehand.nine[..3].iter().sum::<f64>() / HELD;
-                weights[..3].fill(1.0 / HELD);
-                rows.push((weights, mean));
-            }
-            None => {}
-        }
-    }
-    rows
-}
-
-/// What is known beforehand, where it is to be used.
-pub fn used(beforehand: &Beforehand, options: &Options) -> PriorRows {
-    if options.known { beforehand.rows.clone() } else { PriorRows::new() }
 }

@@ -4,8 +4,6 @@ use common::{ScalarStability, ScalarWindow};
 use estimate::{Svd, stats};
 use faer::ColRef;
 
-use crate::fit::PriorRows;
-use crate::kalman::WHITE;
 use crate::linear::Linear;
 use crate::noise::Groups;
 use crate::read::Series;
@@ -25,11 +23,8 @@ const RANK_TOLERANCE: f64 = 1e-6;
 /// Fewer parts than these cannot be compared.
 const FEWEST_PARTS: usize = 2;
 
-/// A part of the time.
 pub struct Part {
-    /// First and last moment, s.
     pub span_s: [f64; 2],
-    /// Rows.
     pub rows: u64,
     /// Rms of the residual about the calibration of all, nT.
     pub rms_nt: f64,
@@ -42,7 +37,7 @@ pub struct Part {
 /// two parts.
 pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, Error> {
     // By the magnitude, which does not show the turn of the sensors; what is held is then of the turn too.
-    let turned = solved.vector.is_some();
+    let turned = solved.scalar.vector.is_some();
     let count = solved.model.by_magnitude().parameters.len();
     if parts.len() < FEWEST_PARTS {
         return Ok(None);
@@ -51,15 +46,14 @@ pub fn of(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, 
     let mut windows = Vec::new();
     let variance = solved.white_variance();
     // What is held stays where it is.
-    let fixed: PriorRows =
-        solved.held.iter().filter(|_| !turned).map(|(weights, _)| (weights.clone(), 0.0)).collect();
+    let fixed = if turned { Linear::none(count) } else { solved.held.fixed() };
     for part in parts {
         let [from_s, to_s] = part.span_s;
         let mut window =
             ScalarWindow { from_s, to_s, rows: part.rows, rms_nt: part.rms_nt, ..ScalarWindow::default() };
         let linear = part.groups.and_then(|groups| groups.linear(solved.form, variance, false));
         if let Some(linear) = linear {
-            let Linear { jacobian, right } = linear.with(&fixed, &vec![0.0; count]);
+            let Linear { jacobian, right } = linear.and(&fixed);
             let svd = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
             let step = svd.solve(&right);
             chi_squared += (&jacobian * ColRef::from_slice(&step)).squared_norm_l2();
@@ -106,14 +100,16 @@ pub fn parts(solved: &Solved, detail: &Detail, options: &Options) -> Result<Vec<
     if pieces.len() < FEWEST_PARTS {
         return Ok(Vec::new());
     }
+    let all = detail.rows(solved.scales);
     let of = |(number, from, to): (usize, usize, usize)| {
-        let series = &detail.series[number];
-        let part = detail.part(solved, number, from, to);
-        let groups = part.groups(solved, &model, &solved.found, solved.form != WHITE);
-        let time = |row: usize| series.time_s.as_ref().map_or(row as f64, |time| time[row]);
-        let squares: f64 = part.residuals[0].iter().map(|value| value * value).sum();
-        let rows = (to - from) as u64;
-        Part { span_s: [time(from), time(to - 1)], rows, rms_nt: (squares / rows as f64).sqrt(), groups }
+        let rows = all.part(number, from..to);
+        let plain = solved.white.then(|| rows.factor(&solved.model.terms));
+        let groups = solved.groups(&rows, plain.as_ref(), &model, &solved.found);
+        let time = detail.series[number].time_s.as_ref();
+        let [from_s, to_s] = [from, to - 1].map(|row| time.map_or(row as f64, |time| time[row]));
+        let squares: f64 = detail.residuals[number][from..to].iter().map(|value| value * value).sum();
+        let rms_nt = (squares / (to - from) as f64).sqrt();
+        Part { span_s: [from_s, to_s], rows: (to - from) as u64, rms_nt, groups }
     };
     let parts: Vec<Part> = pieces.into_iter().map(of).collect();
     // Of parts that nobody asked for all are compared, or none.

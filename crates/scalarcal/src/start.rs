@@ -8,6 +8,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::{Basic, Unit};
 
 use crate::Error;
+use crate::declared::Given;
 use crate::design::Scales;
 use crate::factor::Factor;
 use crate::model::{Model, NINE, PAIRS, State};
@@ -45,14 +46,8 @@ pub fn scales_of(document: &Document, unit: Unit, mean_nt: Option<f64>, swing: f
 }
 
 /// The states to begin from, the nine parameters of each followed by the others' neutral values.
-pub fn starts(
-    document: &Document,
-    unit: Unit,
-    scales: &Scales,
-    model: &Model,
-    factor: &Factor,
-) -> Result<Vec<State>, Error> {
-    let stated = stated(document, unit, scales);
+pub fn starts(given: &Given<'_>, model: &Model, factor: &Factor) -> Result<Vec<State>, Error> {
+    let stated = stated(given.document, given.unit, &given.scales);
     let ellipsoid = ellipsoid(model, factor)?;
     let nominal = model.nominal();
     let with = |nine: [f64; NINE]| {
@@ -83,38 +78,18 @@ pub fn stated(document: &Document, unit: Unit, scales: &Scales) -> [f64; NINE] {
 /// which the solution of least norm shares out.
 fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Error> {
     let upper = factor.upper();
-    let place = |f: usize, g: usize| model.terms.place(f, g).expect("a product without F");
-    let last = model.terms.count() - 1;
     let rows = upper.nrows();
-    let trace = place(0, 0);
-    let others = [
-        place(1, 1),
-        place(2, 2),
-        place(0, 1),
-        place(0, 2),
-        place(1, 2),
-        place(0, ONE),
-        place(1, ONE),
-        place(2, ONE),
-        place(ONE, ONE),
-        last,
-    ];
+    let trace = model.terms.product(0, 0);
+    let pairs = [[1, 1], [2, 2], [0, 1], [0, 2], [1, 2], [0, ONE], [1, ONE], [2, ONE], [ONE, ONE]];
+    let mut others = pairs.map(|[f, g]| model.terms.product(f, g)).to_vec();
+    others.push(model.terms.count() - 1);
     let design = Mat::from_fn(rows, others.len(), |i, j| {
         if j < 2 { upper[(i, others[j])] - upper[(i, trace)] } else { upper[(i, others[j])] }
     });
     let right: Vec<f64> = (0..rows).map(|i| -3.0 * upper[(i, trace)]).collect();
     let x = Svd::of(design.as_ref(), RANK_TOLERANCE)?.solve(&right);
-    let form = Matrix3::new(
-        3.0 - x[0] - x[1],
-        0.5 * x[2],
-        0.5 * x[3],
-        0.5 * x[2],
-        x[0],
-        0.5 * x[4],
-        0.5 * x[3],
-        0.5 * x[4],
-        x[1],
-    );
+    let [xy, xz, yz] = [0.5 * x[2], 0.5 * x[3], 0.5 * x[4]];
+    let form = Matrix3::new(3.0 - x[0] - x[1], xy, xz, xy, x[0], yz, xz, yz, x[1]);
     let own = form.symmetric_eigenvalues();
     if own.min().is_nan() || own.min() <= own.max() / MOST_UNLIKE {
         return Ok(None);
@@ -165,7 +140,8 @@ mod tests {
         let (unit, series) = read::read(&document, &Options::default()).expect("recordings");
         let scales = scales(&document, unit, &series);
         let model = Model::new(ONE + 1, []);
-        let rows = Rows { series: &series, scales, follows: vec![Vec::new()], weights: None };
+        let follows = [Vec::new()];
+        let rows = Rows::new(&series, scales, &follows);
         let found = ellipsoid(&model, &rows.factor(&model.terms)).expect("a fit").expect("an ellipsoid");
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");

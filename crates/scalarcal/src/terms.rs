@@ -36,14 +36,17 @@ impl Terms {
         self.columns
     }
 
-    /// How many products there are.
     pub fn count(&self) -> usize {
         self.pairs.len()
     }
 
-    /// The columns of each product.
     pub fn pairs(&self) -> &[[usize; 2]] {
         &self.pairs
+    }
+
+    /// Where the product of two columns without F stands.
+    pub fn product(&self, f: usize, g: usize) -> usize {
+        self.place(f, g).expect("a product without F")
     }
 
     /// Where the product of two columns stands; None for those with F that are not kept.

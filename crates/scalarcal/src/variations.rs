@@ -8,7 +8,8 @@ use explain::{Cause, Covariate};
 use paired::magnitude::{Level, Readings};
 use physics::{Basic, Unit};
 
-use crate::read::{Series, Source, read};
+use crate::directions::unmixed;
+use crate::read::{Series, Source, along, read};
 use crate::{Error, Options};
 
 /// What is not determined, and what would determine it.
@@ -22,8 +23,7 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     if options.vector || !options.with.is_empty() || !series.iter().all(suits) {
         return Ok(None);
     }
-    let basic = Basic::found(document, unit);
-    let readings = readings(document, &series, &basic, unit).sorted();
+    let readings = readings(document, &series, unit).sorted();
     if readings.turn() {
         return Ok(None);
     }
@@ -48,7 +48,7 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
         rms_nt: rms(&of.explained.residual[0]),
         rms_before_nt: Some(of_levels(&readings)),
         noise: Noise { white_rms_nt: Some(rms(&of.explained.residual[0])), ..Noise::default() },
-        parameters: parameters(&level, level_std, slope_std, &quantities),
+        parameters: parameters(&level, level_std, slope_std, added),
         rank: if level.alone { 1 } else { 4 },
         includes_body: true,
         ..ScalarCalibration::default()
@@ -66,19 +66,14 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
 }
 
 /// The corrected readings of all recordings on the campaign's clock.
-fn readings(document: &Document, series: &[Series], basic: &Basic, unit: Unit) -> Readings {
+fn readings(document: &Document, series: &[Series], unit: Unit) -> Readings {
     let mut all = Readings::default();
-    let unmix = basic.mu.transpose().try_inverse().unwrap_or_else(nalgebra::Matrix3::identity);
+    let unmix = unmixed(&Basic::found(document, unit).mu);
     for one in series {
-        let clock = clock_s(document, one);
+        let (clock, [x, y, z]) = (clock_s(document, one), along(document, unit, one));
         for (row, time_s) in one.time_s.iter().flatten().enumerate() {
-            let along = |axis: usize| {
-                let k = crate::read::sensitivity(document, unit, Axis::ALL[axis]).unwrap_or(1.0);
-                k * one.readings[axis][row] + basic.sensors[axis].offset_nt
-            };
-            let field = unmix * nalgebra::Vector3::from_fn(|axis, _| along(axis));
             all.time_s.push(time_s + clock);
-            all.b.push(field.into());
+            all.b.push((unmix * nalgebra::Vector3::new(x[row], y[row], z[row])).into());
             all.scalar.push(one.magnitude_nt[row]);
         }
     }
@@ -98,16 +93,16 @@ fn of_levels(readings: &Readings) -> f64 {
     let left: Vec<f64> =
         readings.b.iter().zip(&readings.scalar).map(|(b, scalar)| size(b) - scalar).collect();
     let mean = estimate::stats::mean(&left);
-    (left.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / left.len() as f64).sqrt()
+    rms(&left.iter().map(|value| value - mean).collect::<Vec<f64>>())
 }
 
 fn parameters(
     level: &Level,
     level_std: f64,
     slope_std: [f64; 3],
-    added: &[Quantity; 3],
+    added: [(f64, f64); 3],
 ) -> Vec<ScalarParameter> {
-    let one = |name: String, unit: &str, value: f64, std: f64| ScalarParameter {
+    let one = |name: String, unit: &str, (value, std): (f64, f64)| ScalarParameter {
         name,
         unit: unit.into(),
         value,
@@ -115,18 +110,16 @@ fn parameters(
         std_alone: Some(std),
         std_with_known: None,
     };
-    let mut all = vec![one("level of the magnitude".into(), "nT", level.level_nt, level_std)];
-    for (axis, (slope, std)) in Axis::ALL.into_iter().zip(level.slopes.iter().zip(slope_std)) {
-        all.push(one(format!("slope of the magnitude with {axis}"), "nT/nT", *slope, std));
+    let mut all = vec![one("level of the magnitude".into(), "nT", (level.level_nt, level_std))];
+    for (axis, slope) in Axis::ALL.into_iter().zip(level.slopes.into_iter().zip(slope_std)) {
+        all.push(one(format!("slope of the magnitude with {axis}"), "nT/nT", slope));
     }
-    for (axis, quantity) in Axis::ALL.into_iter().zip(added) {
-        let std = quantity.std().unwrap_or(0.0);
-        all.push(one(format!("main field beside the readings of {axis}"), "nT", quantity.value(), std));
+    for (axis, added) in Axis::ALL.into_iter().zip(added) {
+        all.push(one(format!("main field beside the readings of {axis}"), "nT", added));
     }
     all
 }
 
-/// Root of the mean of the squares.
 fn rms(left: &[f64]) -> f64 {
     (left.iter().map(|value| value * value).sum::<f64>() / left.len().max(1) as f64).sqrt()
 }

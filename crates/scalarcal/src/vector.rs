@@ -12,20 +12,20 @@
 
 use common::{Document, VectorFit};
 use estimate::Svd;
-use faer::{Col, Mat, Side};
+use faer::{Col, Mat};
 use nalgebra::{Matrix3, Rotation3};
 use physics::Basic;
 use physics::frames::ARCSEC;
 
 use crate::declared::declared_form;
-use crate::directions::turned;
-use crate::fit::{FittedState, PriorRows};
+use crate::directions::{frame, turned};
+use crate::fit::FittedState;
 use crate::kalman::WHITE;
 use crate::known_field::Vectors;
-use crate::linear::RANK_TOLERANCE;
+use crate::linear::{Linear, RANK_TOLERANCE, root};
 use crate::model::{Model, Parameter};
 use crate::solved::{Detail, Solved};
-use crate::weakest::{self, frame};
+use crate::weakest;
 use crate::{Error, Options, axes};
 
 /// Rounds in which parameters, directions and weights settle.
@@ -46,61 +46,55 @@ pub fn solve(
     detail: &Detail,
     options: &Options,
 ) -> Result<Solved, Error> {
-    let mut vectors = Vectors::read(document, &detail.series)?;
-    let rows = detail.rows(solved.scales);
+    let mut vectors = Vectors::read(document, detail.rows(solved.scales))?;
     let stated = Basic::found(document, solved.unit).mu;
-    let start = vectors.start(&rows, &solved)?;
+    let start = vectors.start(&solved.model)?;
     let axes = axes::nearest(&start.mu, &stated);
-    solved.told.extend(axes.told());
+    solved.scalar.findings.extend(axes.told());
     if start.inverse_rms < INVERSE * start.rms {
-        solved.told.push(
+        solved.scalar.findings.push(
             "the readings agree with the inverse of the attitude: attitude_{w,x,y,z} must be GEO → SEN; reverse the signs of x, y and z".into(),
         );
     }
     let count = solved.model.parameters.len() + 3;
-    let (before, places) = (solved.found.state.len(), solved.found.state.len()..count);
+    let before = solved.found.state.len();
     solved.model.parameters.extend((0..3).map(Parameter::Turn));
     solved.found.state.extend([0.0; 3]);
-    let pad = |known: &PriorRows| -> PriorRows {
-        let padded = |(weights, value): &(Vec<f64>, f64)| {
-            let mut weights = weights.clone();
-            weights.resize(count, 0.0);
-            (weights, *value)
-        };
-        known.iter().map(padded).collect()
-    };
-    solved.beforehand.rows = pad(&solved.beforehand.rows);
+    solved.beforehand.rows = solved.beforehand.rows.padded(count);
     // Beside a scalar magnetometer the calibration by the magnitude is held as it was found, with its
     // covariance.
     let by_magnitude = solved.found.clone();
-    (solved.held, solved.known) = if vectors.scalar {
-        let held = pad(&held_by(&solved.found, before));
-        (held.clone(), held)
+    let mut apart = Linear::none(count);
+    solved.held = Linear::none(count);
+    if vectors.scalar {
+        solved.held = known(&solved.found, before).padded(count);
+        solved.known = solved.held.clone();
     } else {
-        let known = if options.known { solved.beforehand.rows.clone() } else { PriorRows::new() };
-        (PriorRows::new(), known)
-    };
-    let apart: PriorRows = if vectors.scalar { PriorRows::new() } else { solved.known.clone() };
+        if options.known {
+            apart = solved.beforehand.rows.clone();
+        }
+        solved.known = apart.clone();
+    }
     let sensor = solved.found.sensor;
     let mut mu = frame(&solved.found.state, &start.mu);
-    let mut spread = vectors.spread(&rows, &solved.model, &solved.found.state, &mu);
+    let mut spread = vectors.spread(&solved.model, &solved.found.state, &mu);
     let mut noise = None;
     for round in 0..=ROUNDS {
         solved.found.state[before..].fill(0.0);
         vectors.share = if sensor > 0.0 { 1.0 - (sensor / spread.along).min(1.0) } else { 0.0 };
-        let groups = vectors.groups(&rows, &solved.model, &solved.found.state, &mu, &spread);
+        let groups = vectors.groups(&solved.model, &solved.found.state, &mu, spread);
         let base = declared_form(document, Some(spread.along), &solved.scales);
         let freedom = (groups.rows() - count as f64).max(1.0);
         let linear = groups.linear(WHITE, spread.along * groups.rows() / freedom, true);
         let Some(linear) = linear else { break };
-        let all = linear.with(&solved.known, &solved.found.state);
-        let svd = Svd::of(all.jacobian.as_ref(), RANK_TOLERANCE)?;
+        let all = linear.and(&solved.known.about(&solved.found.state));
+        let svd = all.svd()?;
         if svd.rank() < count {
             return Err(undetermined(&solved.model, &all.jacobian));
         }
         let step = svd.solve(&all.right);
         solved.found.covariance = svd.covariance();
-        solved.found.jacobian = linear.with(&solved.held, &solved.found.state).jacobian;
+        solved.found.jacobian = linear.and(&solved.held).jacobian;
         if round < ROUNDS {
             solved.found.state.iter_mut().zip(&step).for_each(|(value, step)| *value += step);
         } else {
@@ -118,7 +112,7 @@ pub fn solve(
             }
         }
         mu = turned(&solved.found.state, before, &mu);
-        spread = vectors.spread(&rows, &solved.model, &solved.found.state, &mu);
+        spread = vectors.spread(&solved.model, &solved.found.state, &mu);
     }
     solved.found.seen = Svd::of(solved.found.jacobian.as_ref(), RANK_TOLERANCE)?;
     let worst = (0..count).map(|k| solved.found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
@@ -127,11 +121,11 @@ pub fn solve(
     }
     let nine = frame(&solved.found.state, &axes.mu(&stated));
     let turn = Rotation3::from_matrix_unchecked(mu * nine.try_inverse().unwrap_or_else(Matrix3::identity));
-    solved.found.state[places].copy_from_slice(turn.scaled_axis().as_slice());
+    solved.found.state[before..].copy_from_slice(turn.scaled_axis().as_slice());
     solved.found.variance = spread.along;
     solved.mu = mu;
     let rms = |variance: f64| variance.sqrt() * solved.scales.magnitude_nt;
-    solved.vector = Some(VectorFit {
+    solved.scalar.vector = Some(VectorFit {
         moments: spread.moments as u64,
         rms_along_nt: rms(spread.along),
         rms_across_nt: rms(spread.across),
@@ -148,9 +142,8 @@ pub fn solve(
 /// which the magnitude shows, is hidden there beside that of the field.
 fn kept(found: &mut FittedState, by_magnitude: &FittedState, before: usize) {
     let count = found.state.len();
-    let rows = held_by(found, before);
-    // G = C_tn C_nn⁻¹, with C_nn⁻¹ = Σ w wᵀ.
-    let weights = Mat::from_fn(rows.len(), before, |k, j| rows[k].0[j]);
+    // G = C_tn C_nn⁻¹.
+    let weights = known(found, before).jacobian;
     let mut map = found.covariance.subcols(0, before) * weights.transpose() * &weights;
     map.subrows_mut(0, before).copy_from(Mat::<f64>::identity(before, before));
     let moved = Col::from_fn(before, |k| by_magnitude.state[k] - found.state[k]);
@@ -160,24 +153,13 @@ fn kept(found: &mut FittedState, by_magnitude: &FittedState, before: usize) {
     found.covariance = Mat::from_fn(count, count, |i, j| {
         carried[(i, j)] + if i < before || j < before { 0.0 } else { alone[(i, j)] }
     });
-    let rows = held_by(found, count);
-    found.jacobian = Mat::from_fn(rows.len(), count, |i, j| rows[i].0[j]);
+    found.jacobian = root(&found.covariance);
 }
 
-/// A fit as rows of one that takes its place.
-fn held_by(found: &FittedState, count: usize) -> PriorRows {
-    let scale: Vec<f64> =
-        (0..count).map(|k| found.covariance[(k, k)].max(f64::MIN_POSITIVE).sqrt()).collect();
-    let correlation = Mat::from_fn(count, count, |i, j| found.covariance[(i, j)] / (scale[i] * scale[j]));
-    let Ok(own) = correlation.self_adjoint_eigen(Side::Lower) else { return PriorRows::new() };
-    (0..count)
-        .map(|k| {
-            let root = own.S()[k].max(1e-14).sqrt();
-            let weights: Vec<f64> = (0..count).map(|j| own.U()[(j, k)] / (root * scale[j])).collect();
-            let value = weights.iter().zip(&found.state).map(|(weight, value)| weight * value).sum();
-            (weights, value)
-        })
-        .collect()
+/// The first parameters of a fit as rows of one that takes its place.
+fn known(found: &FittedState, count: usize) -> Linear {
+    let covariance = found.covariance.submatrix(0, 0, count, count).to_owned();
+    Linear::known(&found.state[..count], &covariance)
 }
 
 fn undetermined(model: &Model, jacobian: &Mat<f64>) -> Error {

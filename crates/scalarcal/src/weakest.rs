@@ -7,7 +7,8 @@ use indexmap::IndexMap;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::design::Rows;
-use crate::model::{AXES, Model, State, cosines};
+use crate::directions::unmixed;
+use crate::model::{AXES, Model, State};
 use crate::terms::ONE;
 
 /// Rows that stand for all when further rotations are tried.
@@ -28,23 +29,12 @@ pub fn directions(
     state: &State,
     mu: &Matrix3<f64>,
 ) -> Vec<(usize, usize, Vector3<f64>)> {
-    let all: Vec<(usize, usize)> = rows
-        .series
-        .iter()
-        .enumerate()
-        .flat_map(|(number, series)| (0..series.len()).map(move |row| (number, row)))
-        .collect();
+    let all: Vec<(usize, usize)> = rows.places().collect();
     let step = all.len().div_ceil(SAMPLE).max(1);
-    let unmix = mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
-    let chain = model.chain(state);
-    let mut z = vec![0.0; model.terms.columns() + 1];
-    all.iter()
-        .step_by(step)
-        .map(|(number, row)| {
-            rows.fill(*number, *row, &mut z);
-            (*number, *row, unmix * Vector3::from(chain.own(&z)))
-        })
-        .collect()
+    let (unmix, chain) = (unmixed(mu), model.chain(state));
+    let of =
+        |(number, row): (usize, usize)| (number, row, unmix * Vector3::from(chain.own(&rows.z(number, row))));
+    all.into_iter().step_by(step).map(of).collect()
 }
 
 /// The weakest combination of the parameters by what the readings alone say; `jacobian` is a factor of the
@@ -79,14 +69,13 @@ pub fn weakest(
             }
         }
     }
-    let about = cone(directions);
     let list: Vec<&str> = named.iter().map(|(name, _)| name.as_str()).collect();
-    let together = if list.len() > 1 {
-        format!("{} cannot be separated well", join(&list))
-    } else {
-        format!("{} is least determined", list.first().copied().unwrap_or("the calibration"))
+    let together = match list.as_slice() {
+        [] => "the calibration is least determined".into(),
+        [one] => format!("{one} is least determined"),
+        [rest @ .., last] => format!("{} and {last} cannot be separated well", rest.join(", ")),
     };
-    let words = match about {
+    let words = match cone(directions) {
         Some(axis) => format!("rotated only about {axis}: {together}"),
         None => together,
     };
@@ -107,12 +96,9 @@ pub fn weakest(
 /// The parameters that make up most of a combination, the largest first, each with its share of the largest.
 pub fn named(model: &Model, combination: &[f64]) -> Vec<(String, f64)> {
     let largest = combination.iter().map(|share| share.abs()).fold(0.0, f64::max);
-    let mut named: Vec<(String, f64)> = combination
-        .iter()
-        .enumerate()
-        .filter(|(_, share)| share.abs() >= NAMED * largest)
-        .map(|(place, share)| (model.parameters[place].name(), share / largest))
-        .collect();
+    let counts = |(_, share): &(usize, &f64)| share.abs() >= NAMED * largest;
+    let of = |(place, share): (usize, &f64)| (model.parameters[place].name(), share / largest);
+    let mut named: Vec<(String, f64)> = combination.iter().enumerate().filter(counts).map(of).collect();
     named.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     named
 }
@@ -182,23 +168,4 @@ pub fn cone(directions: &[Vector3<f64>]) -> Option<String> {
     } else {
         format!("the direction {} of SEN", vector(axis.into(), 0.01))
     })
-}
-
-fn join(list: &[&str]) -> String {
-    match list {
-        [] => String::new(),
-        [one] => (*one).to_string(),
-        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
-    }
-}
-
-/// μ, the directions of the sensors with these cosines: of all turns of them together, which the magnitude
-/// does not show, the one that is nearest to `like`, which may be left-handed.
-pub fn frame(state: &State, like: &Matrix3<f64>) -> Matrix3<f64> {
-    let own = cosines(state);
-    // Cholesky's factor has unit vectors with these cosines as its columns.
-    let Some(factor) = own.cholesky() else { return *like };
-    let columns = factor.l().transpose();
-    let hand = like.determinant().signum();
-    hand * Rotation3::from_matrix(&(hand * like * columns.transpose())).into_inner() * columns
 }

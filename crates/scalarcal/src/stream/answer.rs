@@ -1,29 +1,32 @@
 //! The calibration of what is kept of a long series.
 
-use common::{Axis, Document, Noise};
-use physics::Basic;
-use std::collections::BTreeMap;
+use common::{Axis, Document};
 
 use super::memory;
 use super::partial::Partial;
 use super::windows::Window;
+use crate::declared::Given;
 use crate::design::{Rows, Scales};
-use crate::ends::{self, At};
+use crate::ends;
 use crate::factor::Factor;
-use crate::fit::{FittedState, PriorRows, Sums, fit, variance};
+use crate::fit::{FittedState, variance};
+use crate::fitted::Fitted;
 use crate::kalman::WHITE;
-use crate::known::beforehand;
 use crate::model::{Model, Parameter, State};
 use crate::noise::Groups;
-use crate::read::{self, Series};
-use crate::result::{self, Seen};
+use crate::read::{self, Series, Source};
 use crate::seen::{before, reference_offset};
-use crate::solve;
 use crate::solved::{Detail, Solved};
 use crate::stability::{self, Part};
 use crate::terms::{ONE, Terms};
-use crate::weakest::frame;
-use crate::{Error, Options, checks, declared, determined, start, words};
+use crate::{Error, Options, checks, result, start, words};
+
+/// What is said where noise with memory was not looked for.
+const NO_MEMORY: &str = "correlated noise was not estimated, because there are too few rows or windows, or the noise is too large: the uncertainties assume white noise";
+/// A window with its place.
+type Placed = (i64, Window);
+/// Readings are those of another sensor where they differ by less than this share of their squares.
+const SAME: f64 = 1e-14;
 
 /// Calibrates the sensors by what is kept of a series, and writes them into a document, which states what is
 /// known of instrument and facility. Its recordings are not read.
@@ -37,25 +40,22 @@ pub fn document(partial: &Partial, document: Document, options: &Options) -> Res
 }
 
 fn adopted(partial: &Partial, mut document: Document, options: &Options) -> Result<Document, Error> {
-    let (solved, detail, windows) = solve(partial, &document, options)?;
+    let (mut solved, detail, windows) = solve(partial, &document, options)?;
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same series";
         let expected = "one from another source: with --known each reading would count twice";
         return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
-    let seen = seen(partial, &document, &solved, &detail, &windows, options)?;
-    result::adopt(&mut document, &solved, (&detail, seen), options)?;
+    seen(partial, &document, &mut solved, &detail, &windows, options)?;
+    result::adopt(&mut document, solved, &detail, options)?;
     Ok(document)
 }
-
-/// The windows that are used, by their place.
-type Places = BTreeMap<i64, Window>;
 
 fn solve(
     partial: &Partial,
     document: &Document,
     options: &Options,
-) -> Result<(Solved, Detail, Places), Error> {
+) -> Result<(Solved, Detail, Vec<Placed>), Error> {
     if options.robust || options.constant_magnitude || options.vector || !options.with.is_empty() {
         let message =
             "--robust, --constant-magnitude, --vector and --with need rows, which a stream does not keep";
@@ -67,10 +67,9 @@ fn solve(
         let expected = "none; correct the readings, or calibrate a document with rows";
         return Err(Error::document("model.effects", found, expected));
     }
-    let (unit, source) = (partial.unit(), partial.source());
     let (windows, left_out) = used(partial);
     let columns = Terms::new(ONE + 1).count();
-    let raw = Factor::joined(columns, windows.values().map(|window| &window.factor));
+    let raw = Factor::joined(columns, windows.iter().map(|(_, window)| &window.factor));
     if raw.rows() == 0 {
         return Err(Error::Request(
             "no row in which all three sensors and the reference were read; expected rows without a null"
@@ -80,79 +79,45 @@ fn solve(
     check(partial, document, &raw)?;
     let mean_nt = raw.product(columns - 2, columns - 1) / raw.product(columns - 2, columns - 2);
     let swing = (0..3).filter_map(|axis| partial.ends.range(axis)).map(|[high, low]| 0.5 * (high - low));
-    let scales = start::scales_of(document, unit, Some(mean_nt), swing.fold(0.0, f64::max));
+    let scales = start::scales_of(document, partial.unit(), Some(mean_nt), swing.fold(0.0, f64::max));
+    let given = Given::of(document, options, partial.unit(), scales);
     let model = Model::new(ONE + 1, options.reference_offset.then_some(Parameter::ReferenceOffset));
     let by = column_scales(&model.terms, &scales);
-    let plain = raw.scaled(&by);
-    let windows: Places = windows
-        .into_iter()
-        .map(|(place, one)| (place, Window { factor: one.factor.scaled(&by), ..one }))
-        .collect();
-    let sensor = declared::sensor_variance(document, unit, &scales);
-    let reference = declared::reference_variance(document, true, &scales);
-    let like = Basic::found(document, unit).mu;
-    let beforehand = beforehand(document, unit, &scales, &model)?;
-    let (held, known) = (PriorRows::new(), solve::used(&beforehand, options));
-    let starts = start::starts(document, unit, &scales, &model, &plain)?;
-    let sums = Sums { plain: &plain, sensor, reference, held: &held };
-    let series = vec![sample(partial)];
-    let rows = Rows { series: &series, scales, follows: vec![Vec::new()], weights: None };
-    let mut found = fit(&model, &sums, &known, &starts).map_err(|error| {
-        determined::short(&model, &sums, &rows, &starts, &like, options, &beforehand).unwrap_or(error)
-    })?;
-    let declared = declared::declared_form(document, sensor.map(|sensor| sensor + reference), &scales);
-    let white = declared == Some(WHITE);
-    let alone = Noise { white_rms_nt: Some(found.variance.sqrt() * scales.magnitude_nt), ..Noise::default() };
-    let groups = if white { None } else { groups(&windows, &model, &found) };
-    let by_rotations = found.clone();
-    let averaged = groups
-        .map(|groups| memory::widen(&groups, &mut found, (&held, &known), (declared, scales.magnitude_nt)))
-        .transpose()?
-        .flatten();
-    let told = if white || averaged.is_some() { Vec::new() } else { vec![NO_MEMORY.to_string()] };
-    let (form, noise) = averaged.unwrap_or((WHITE, alone));
-    let residuals = rows.residuals(&model, &found.state);
-    let solved = Solved {
-        unit,
-        scales,
-        units: Vec::new(),
-        effects: Vec::new(),
-        noise,
-        form,
-        white,
-        beforehand,
-        known: held.iter().chain(&known).cloned().collect(),
-        held,
-        mu: frame(&found.state, &like),
-        recordings: vec![series[0].id.clone()],
-        sources: vec![source],
-        rows: plain.rows(),
-        missing: partial.missing,
-        left_out,
-        told,
-        body: None,
-        includes_body: true,
-        vector: None,
-        model,
-        found,
-    };
-    let detail = Detail { series, residuals, follows: vec![Vec::new()], plain };
-    determined::determined(&solved, &by_rotations, &detail, options)?;
+    let scaled = |(place, one): Placed| (place, Window { factor: one.factor.scaled(&by), ..one });
+    let windows: Vec<Placed> = windows.into_iter().map(scaled).collect();
+    let (series, follows) = (vec![sample(partial)], vec![Vec::new()]);
+    let rows = Rows::new(&series, scales, &follows);
+    let fitted = Fitted::of(&given, model, &rows, None, raw.scaled(&by))?;
+    let mut told = None;
+    let none = (Vec::new(), Vec::new());
+    let (mut solved, detail) =
+        fitted.solved(&given, (series, follows), none, |fitted, _, declared, unit_nt| {
+            let noise = match groups(&windows, &fitted.model, &fitted.found) {
+                Some(groups) => {
+                    let known = (&fitted.held, &fitted.known);
+                    memory::widen(&groups, &mut fitted.found, known, (declared, unit_nt))?
+                }
+                None => None,
+            };
+            told = noise.is_none().then(|| NO_MEMORY.to_string());
+            Ok(noise)
+        })?;
+    solved.scalar.findings.extend(told);
+    solved.scalar.left_out.extend(left_out);
     Ok((solved, detail, windows))
 }
 
 /// The windows without rows in which an output stands at the end of its range, and how many these are by
 /// sensor.
-fn used(partial: &Partial) -> (Places, Vec<(String, u64)>) {
+fn used(partial: &Partial) -> (Vec<Placed>, Vec<(String, u64)>) {
     let piles = partial.ends.piles();
     let mut left_out = [0; 3];
-    let mut windows = Places::new();
+    let mut windows: Vec<Placed> = Vec::new();
     for (place, at, window) in partial.windows.iter() {
-        match ends::sensor(at & piles) {
-            Some(axis) => left_out[axis.index()] += window.factor.rows(),
-            None => {
-                windows.entry(place).and_modify(|own| own.join(window)).or_insert_with(|| window.clone());
-            }
+        match (ends::sensor(at & piles), windows.last_mut()) {
+            (Some(axis), _) => left_out[axis.index()] += window.factor.rows(),
+            (None, Some((last, own))) if *last == place => own.join(window),
+            (None, _) => windows.push((place, window.clone())),
         }
     }
     (windows, checks::saturated(left_out))
@@ -162,47 +127,37 @@ fn used(partial: &Partial) -> (Places, Vec<(String, u64)>) {
 fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Error> {
     let (unit, terms) = (partial.unit(), Terms::new(ONE + 1));
     let name = |axis: Axis| format!("sensor_{axis}_{}", unit.suffix());
-    let refused = |message: String| Err(Error::Request(message));
-    let square = |a: Axis, b: Axis| {
-        let place = |axis: Axis| terms.place(axis.index(), ONE).expect("a product without F");
-        raw.product(place(a), place(b))
+    let refused = |axis: Axis, found: String, expected: &str| {
+        Err(Error::Request(format!("{}: found {found}; expected {expected}", name(axis))))
     };
+    let last = terms.count() - 1;
+    // Σ V_a V_b/4F², and Σ V_a²/4.
+    let one = |axis: Axis| terms.product(axis.index(), ONE);
+    let product = |a: Axis, b: Axis| raw.product(one(a), one(b));
+    let square = |axis: Axis| raw.product(terms.product(axis.index(), axis.index()), last);
     for axis in Axis::ALL {
         if let Some([high, low]) = partial.ends.range(axis.index()).filter(|_| partial.rows > 1)
             && high <= low
         {
-            return refused(format!(
-                "{}: found the reading {high} in all rows; expected a rotated sensor; is it connected, or did the logger freeze?",
-                name(axis)
-            ));
+            let found = format!("the reading {high} in all rows");
+            let expected = "a rotated sensor; is it connected, or did the logger freeze?";
+            return refused(axis, found, expected);
         }
     }
     for (a, b) in [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)] {
-        let apart = square(a, a) + square(b, b) - 2.0 * square(a, b);
-        if raw.rows() > 1 && apart <= SAME * square(a, a) {
-            return refused(format!(
-                "{}: found the readings of {}; expected readings of its own; was a column copied?",
-                name(b),
-                name(a)
-            ));
+        let apart = product(a, a) + product(b, b) - 2.0 * product(a, b);
+        if raw.rows() > 1 && apart <= SAME * product(a, a) {
+            let found = format!("the readings of {}", name(a));
+            return refused(b, found, "readings of its own; was a column copied?");
         }
     }
-    let last = terms.count() - 1;
-    let (mean_square, own) = (raw.product(last, last), |axis: usize| {
-        raw.product(terms.place(axis, axis).expect("a product without F"), last)
-    });
-    // Σ F² and Σ |V|², over four each.
-    let magnitude_nt = (4.0 * mean_square / raw.rows() as f64).sqrt();
-    let length = (4.0 * (0..3).map(own).sum::<f64>() / raw.rows() as f64).sqrt();
-    let column = if partial.source() == read::Source::Ambient { "ambient_x_nt" } else { "reference_nt" };
+    let mean_square = |sum: f64| (4.0 * sum / raw.rows() as f64).sqrt();
+    let magnitude_nt = mean_square(raw.product(last, last));
+    let length = mean_square(Axis::ALL.into_iter().map(square).sum::<f64>());
+    let column = if partial.source() == Source::Ambient { "ambient_x_nt" } else { "reference_nt" };
     let read = read::by_nominal(length, unit, document);
     read::in_units(column.into(), magnitude_nt, read)
 }
-
-/// What is said where noise with memory was not looked for.
-const NO_MEMORY: &str = "correlated noise was not estimated, because there are too few rows or windows, or the noise is too large: the uncertainties assume white noise";
-/// Readings are those of another sensor where they differ by less than this share of their squares.
-const SAME: f64 = 1e-14;
 
 /// What the products over 2F are times in the units of a fit.
 fn column_scales(terms: &Terms, scales: &Scales) -> Vec<f64> {
@@ -216,7 +171,7 @@ fn column_scales(terms: &Terms, scales: &Scales) -> Vec<f64> {
 
 /// The sample as a recording, without rows that are left out.
 fn sample(partial: &Partial) -> Series {
-    let piles: At = partial.ends.piles();
+    let piles = partial.ends.piles();
     let all = partial.sample.rows();
     let kept: Vec<[f64; 5]> =
         all.into_iter().filter(|row| partial.ends.at([row[1], row[2], row[3]], piles) == 0).collect();
@@ -230,29 +185,26 @@ fn sample(partial: &Partial) -> Series {
         readings: [column(1), column(2), column(3)],
         magnitude_nt: column(4),
         source: partial.source(),
-        missing: 0,
+        missing: partial.missing as usize,
     }
 }
 
-fn groups<'a>(
-    windows: impl IntoIterator<Item = (&'a i64, &'a Window)>,
-    model: &Model,
-    found: &FittedState,
-) -> Option<Groups> {
+fn groups(windows: &[Placed], model: &Model, found: &FittedState) -> Option<Groups> {
     let factors: Vec<([f64; 2], &Factor)> =
-        windows.into_iter().map(|(_, window)| (window.span_s, &window.factor)).collect();
+        windows.iter().map(|(_, window)| (window.span_s, &window.factor)).collect();
     Groups::of_factors(&factors, model, found)
 }
 
+/// Adds what the windows say beside the calibration.
 fn seen(
     partial: &Partial,
     document: &Document,
-    solved: &Solved,
+    solved: &mut Solved,
     detail: &Detail,
-    windows: &Places,
+    windows: &[Placed],
     options: &Options,
-) -> Result<Seen, Error> {
-    let Solved { model, found, scales, .. } = solved;
+) -> Result<(), Error> {
+    let Solved { model, found, scales, .. } = &*solved;
     let upper = detail.plain.upper();
     let rows = detail.plain.rows() as f64;
     let rms_nt = |state: &State| variance(model, &upper, state, rows).sqrt() * scales.magnitude_nt;
@@ -261,7 +213,6 @@ fn seen(
     let product = |a: usize, b: usize| detail.plain.product(a, b);
     let varies = product(whole, whole) - product(half, whole).powi(2) / product(half, half);
     let varies_nt = (4.0 * varies.max(0.0) / rows).sqrt() * scales.magnitude_nt;
-    let mut findings: Vec<String> = checks::repeats(partial.repeated, partial.rows).into_iter().collect();
     let about = |model: &Model, found: &FittedState| {
         if solved.form == WHITE {
             Groups::of_factors(&[([0.0; 2], &detail.plain)], model, found)
@@ -269,59 +220,41 @@ fn seen(
             groups(windows, model, found)
         }
     };
-    let parts = parts(partial, solved, windows, options);
-    if let Some(length) =
-        options.windows_s.filter(|length| (partial.windows.level() as f64).exp2() > 2.0 * length)
-    {
-        findings.push(format!(
-            "windows of {} s are the shortest kept for a series of this length; {length} s were requested",
-            (partial.windows.level() as f64).exp2()
+    let (now, before) = (rms_nt(&found.state), before(document, solved).map(|state| rms_nt(&state)));
+    let reference_offset = reference_offset(solved, varies_nt, about)?;
+    let stability = stability::of(solved, parts(partial, solved, windows, options))?;
+    let scalar = &mut solved.scalar;
+    (scalar.rms_nt, scalar.rms_before_nt) = (now, before);
+    (scalar.reference_offset, scalar.stability) = (reference_offset, stability);
+    scalar.findings.extend(checks::repeats(partial.repeated, partial.rows));
+    let width_s = f64::from(partial.windows.level()).exp2();
+    if let Some(length) = options.windows_s.filter(|length| width_s > 2.0 * length) {
+        scalar.findings.push(format!(
+            "windows of {width_s} s are the shortest kept for a series of this length; {length} s were requested"
         ));
     }
-    Ok(Seen {
-        rms_nt: rms_nt(&found.state),
-        rms_before_nt: before(document, solved).map(|state| rms_nt(&state)),
-        reference_offset: reference_offset(solved, varies_nt, about)?,
-        stability: stability::of(solved, parts)?,
-        findings,
-    })
+    Ok(())
 }
 
 /// Windows as long as those that are asked for, or the eight at most into which they go.
-fn parts(partial: &Partial, solved: &Solved, windows: &Places, options: &Options) -> Vec<Part> {
+fn parts(partial: &Partial, solved: &Solved, windows: &[Placed], options: &Options) -> Vec<Part> {
     let Solved { model, found, scales, .. } = solved;
-    let joined = |shift: u32| {
-        let mut parts = BTreeMap::<i64, Places>::new();
-        for (place, window) in windows {
-            parts.entry(place >> shift).or_default().insert(*place, window.clone());
-        }
-        parts
-    };
+    let joined = |shift: u32| windows.chunk_by(move |one, next| one.0 >> shift == next.0 >> shift);
     let shift = match options.windows_s {
         Some(length) => (length.log2().ceil() - f64::from(partial.windows.level())).clamp(0.0, 62.0) as u32,
         None => {
             let rows = (stability::ROWS_PER_PARAMETER * model.parameters.len()) as u64;
-            let most = (solved.rows / rows).clamp(1, stability::PARTS as u64) as usize;
-            (0..62).find(|shift| joined(*shift).len() <= most).unwrap_or(62)
+            let most = (solved.scalar.rows / rows).clamp(1, stability::PARTS as u64) as usize;
+            (0..62).find(|shift| joined(*shift).count() <= most).unwrap_or(62)
         }
     };
-    let of = |places: Places| {
-        let mut all: Option<Window> = None;
-        for window in places.values() {
-            match &mut all {
-                Some(all) => all.join(window),
-                None => all = Some(window.clone()),
-            }
-        }
-        let all = all?;
+    let of = |part: &[Placed]| {
+        let mut all = part[0].1.clone();
+        part[1..].iter().for_each(|(_, window)| all.join(window));
         let rows = all.factor.rows();
         let squares = variance(model, &all.factor.upper(), &found.state, rows as f64);
-        Some(Part {
-            span_s: all.span_s,
-            rows,
-            rms_nt: squares.sqrt() * scales.magnitude_nt,
-            groups: groups(&places, model, found),
-        })
+        let rms_nt = squares.sqrt() * scales.magnitude_nt;
+        Part { span_s: all.span_s, rows, rms_nt, groups: groups(part, model, found) }
     };
-    joined(shift).into_values().filter_map(of).collect()
+    joined(shift).map(of).collect()
 }

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 use crate::ends::At;
-use crate::factor::{Factor, Filling};
+use crate::factor::Factor;
 
 /// Windows that are kept at most.
 pub const MOST: usize = 64;
@@ -154,7 +154,7 @@ impl Closed {
 struct Open {
     place: i64,
     span_s: [f64; 2],
-    filling: Filling,
+    filling: Factor,
 }
 
 impl Open {
@@ -191,7 +191,7 @@ impl Windows {
     /// Closes the window that is filled by rows at some ends, and begins another.
     fn begin(&mut self, at: At, place: i64, time_s: f64) -> &mut Open {
         self.close(at);
-        let filling = Filling::new(self.columns);
+        let filling = Factor::new(self.columns);
         self.open.insert(at, Open { place, span_s: [time_s, time_s], filling });
         while self.places() > MOST {
             self.closed.widen();
@@ -226,7 +226,7 @@ impl Windows {
             match self.open.get_mut(&left) {
                 Some(other) if other.place == open.place => {
                     other.span_s = [other.span_s[0].min(open.span_s[0]), other.span_s[1].max(open.span_s[1])];
-                    other.filling.take(open.filling);
+                    other.filling.join(&open.filling);
                 }
                 Some(_) => {
                     let Open { place, span_s, filling } = open;

@@ -1,12 +1,14 @@
 //! Documents of sensors that are turned in a field, made without the forward model: b = μᵀ B + noise, V = (b
 //! − O)/k.
 
-use common::{Axis, Column, Document, Facility, Instrument, Recording, procedure};
+use common::{
+    Axis, Calibration, Column, Document, Facility, Instrument, Recording, ScalarCalibration, procedure,
+};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use noise::Stream;
 use physics::Unit;
-use scalarcal::Source;
 use scalarcal::stream::{Batch, Partial, Statistics};
+use scalarcal::{Error, Options, Source};
 use std::ops::Range;
 
 /// How the sensors are turned.
@@ -189,20 +191,71 @@ pub fn declared(mut document: Document, white_nt: f64) -> Document {
     document
 }
 
-/// The parameters that were found, in the same order: value, standard uncertainty.
-pub fn found(document: &Document) -> Vec<(f64, f64)> {
-    let scalar = document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration");
-    scalar.parameters.iter().map(|parameter| (parameter.value, parameter.std)).collect()
+/// Sets the values of a column of the recording by what they are and by their rows.
+pub fn change(document: &mut Document, name: &str, to: impl Fn(usize, f64) -> f64) {
+    let column = document.recordings[0].columns.get_mut(name).expect("a column");
+    column.iter_mut().enumerate().for_each(|(row, value)| *value = to(row, *value));
 }
 
-/// The sensitivities and offsets of the document itself.
-pub fn constants(document: &Document) -> Vec<f64> {
-    let sensors = document.calibration.as_ref().and_then(|c| c.sensors.as_ref()).expect("sensors");
-    Axis::ALL
-        .iter()
-        .flat_map(|axis| {
-            let sensor = sensors.get(*axis).expect("a sensor");
-            [&sensor.sensitivity_nt_per_v, &sensor.offset_nt].map(|one| one.as_ref().expect("found").value())
-        })
-        .collect()
+pub fn run(document: Document, options: &Options) -> Document {
+    scalarcal::run(document, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The message of a refusal, or the findings.
+pub fn told(result: Result<Document, Error>) -> String {
+    result.map_or_else(|error| error.to_string(), |document| findings(&document))
+}
+
+pub fn scalar(document: &Document) -> &ScalarCalibration {
+    document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration")
+}
+
+pub fn findings(document: &Document) -> String {
+    scalar(document).findings.join("\n")
+}
+
+/// The parameters that were found, in the order of [`Campaign::truth`]: value, standard uncertainty.
+pub fn found(document: &Document) -> Vec<(f64, f64)> {
+    scalar(document).parameters.iter().map(|parameter| (parameter.value, parameter.std)).collect()
+}
+
+/// That each value is within four standard uncertainties of the truth, as far as that goes.
+pub fn near(found: &[(f64, f64)], truth: &[f64]) {
+    for ((value, std), truth) in found.iter().zip(truth) {
+        assert!((value - truth).abs() < 4.0 * std, "{value} {std} {truth}");
+    }
+}
+
+/// The sensitivities of a calibration, then the offsets.
+pub fn constants(calibration: &Calibration) -> Vec<f64> {
+    let of = |axis: Axis| calibration.sensor(axis).expect("a sensor");
+    let sensitivities = Axis::ALL.map(|axis| of(axis).sensitivity_nt_per_v.as_ref().expect("k").value());
+    let offsets = Axis::ALL.map(|axis| of(axis).offset_nt.as_ref().expect("an offset").value());
+    [sensitivities, offsets].concat()
+}
+
+/// Unit vectors along the sensors of a calibration.
+pub fn directions(calibration: &Calibration) -> [Vector3<f64>; 3] {
+    let axes = calibration.axes.as_ref().and_then(|axes| axes.sensors.as_ref()).expect("axes");
+    let matrix = axes.matrix.expect("directions");
+    [0, 1, 2].map(|k| Vector3::from_fn(|row, _| matrix[row][k]).normalize())
+}
+
+/// That intervals of 95 % hold as often as a band says, by the error and the standard uncertainty of each
+/// parameter in each campaign.
+pub fn intervals_hold(name: &str, parameters: &[&str], campaigns: &[Vec<(f64, f64)>], band: [f64; 2]) {
+    let count = campaigns.len();
+    for (place, parameter) in parameters.iter().enumerate() {
+        let all = || campaigns.iter().map(|one| one[place]);
+        let inside = all().filter(|(off, std)| off.abs() <= 1.96 * std).count();
+        let mean = |of: fn((f64, f64)) -> f64| all().map(of).sum::<f64>() / count as f64;
+        println!(
+            "{name}, {parameter}: {inside} of {count} inside, mean error {:+.3e}, rms {:.3e}, standard uncertainty {:.3e}",
+            mean(|(off, _)| off),
+            mean(|(off, _)| off * off).sqrt(),
+            mean(|(_, std)| std)
+        );
+        let agrees = testkit::agrees(inside, count, band, parameters.len());
+        assert!(agrees, "{name}, {parameter}: {inside} of {count} in their 95 % intervals");
+    }
 }

@@ -4,7 +4,7 @@ use common::Document;
 use rayon::prelude::*;
 use scalarcal::{Options, stream};
 
-use crate::build::{Campaign, MAGNITUDE_NT, Turns, found, piece};
+use crate::build::{Campaign, MAGNITUDE_NT, Turns, found, intervals_hold, piece};
 
 /// The interval's share, and what is allowed.
 const BAND: [f64; 2] = [0.93, 0.97];
@@ -34,121 +34,65 @@ fn covered_by(
     band: [f64; 2],
     run: impl Fn(Document) -> Result<Document, scalarcal::Error> + Sync,
 ) {
-    let campaigns = testkit::campaigns(usual);
     let truth = campaign.truth();
-    let inside: Vec<[bool; 9]> = (0..campaigns)
-        .into_par_iter()
-        .map(|seed| {
-            let document =
-                run(campaign.document(seed)).unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
-            let found = found(&document);
-            std::array::from_fn(|k| (found[k].0 - truth[k]).abs() <= 1.96 * found[k].1)
-        })
-        .collect();
-    let shares: Vec<usize> = (0..9).map(|k| inside.iter().filter(|one| one[k]).count()).collect();
-    let each: Vec<String> = NAMES
-        .iter()
-        .zip(&shares)
-        .map(|(name, count)| format!("{name} {:.1}", 100.0 * *count as f64 / campaigns as f64))
-        .collect();
-    println!("{name}: {} % of {campaigns}", each.join(", "));
-    for (parameter, count) in NAMES.iter().zip(&shares) {
-        assert!(
-            testkit::agrees(*count, campaigns as usize, band, 9),
-            "{name}, {parameter}: {count} of {campaigns} in their 95 % intervals"
-        );
-    }
+    let of = |seed: u64| {
+        let document = run(campaign.document(seed)).unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
+        found(&document).iter().zip(truth).map(|((value, std), truth)| (value - truth, *std)).collect()
+    };
+    let campaigns: Vec<Vec<(f64, f64)>> = (0..testkit::campaigns(usual)).into_par_iter().map(of).collect();
+    intervals_hold(name, &NAMES, &campaigns, band);
+}
+
+/// Noise of 1 % of the magnitude.
+fn one_percent(turns: Turns) -> Campaign {
+    Campaign { white_nt: 0.01 * MAGNITUDE_NT, rows: 1500, turns, ..Campaign::default() }
+}
+
+fn flicker(turns: Turns, rows: usize) -> Campaign {
+    Campaign { flicker: 0.25, white_nt: 0.1, turns, rows, ..Campaign::default() }
 }
 
 #[test]
-fn ten_ppm_all_directions() {
+fn white_noise() {
+    let poor = Campaign { turns: Turns::Poor, ..Campaign::default() };
     covered("10 ppm, all directions", &Campaign::default(), 80, BAND);
+    covered("1 %, all directions", &one_percent(Turns::Any), 8, BAND);
+    covered("10 ppm, poor rotations", &poor, 12, BAND);
+    covered("1 %, poor rotations", &one_percent(Turns::Poor), 8, BAND);
 }
 
 #[test]
-fn one_percent_all_directions() {
-    let noise = Campaign { white_nt: 0.01 * MAGNITUDE_NT, rows: 1500, ..Campaign::default() };
-    covered("1 %, all directions", &noise, 8, BAND);
+fn flicker_noise() {
+    covered("flicker, all directions", &flicker(Turns::Any, 600), 40, BAND);
+    covered("flicker, slow turns", &flicker(Turns::Slow, 600), 12, BAND);
+    covered("flicker, poor rotations", &flicker(Turns::Poor, 600), 12, BAND);
 }
 
 #[test]
-fn ten_ppm_poor_rotations() {
-    covered("10 ppm, poor rotations", &Campaign { turns: Turns::Poor, ..Campaign::default() }, 12, BAND);
-}
-
-#[test]
-fn one_percent_poor_rotations() {
-    let poor =
-        Campaign { white_nt: 0.01 * MAGNITUDE_NT, rows: 1500, turns: Turns::Poor, ..Campaign::default() };
-    covered("1 %, poor rotations", &poor, 8, BAND);
-}
-
-#[test]
-fn flicker_noise_slow_turns() {
-    let slow =
-        Campaign { flicker: 0.25, white_nt: 0.1, turns: Turns::Slow, rows: 600, ..Campaign::default() };
-    covered("flicker, slow turns", &slow, 12, BAND);
-}
-
-#[test]
-fn flicker_noise_all_directions() {
-    let any = Campaign { flicker: 0.25, white_nt: 0.1, rows: 600, ..Campaign::default() };
-    covered("flicker, all directions", &any, 40, BAND);
-}
-
-#[test]
-fn flicker_noise_poor_rotations() {
-    let poor =
-        Campaign { flicker: 0.25, white_nt: 0.1, turns: Turns::Poor, rows: 600, ..Campaign::default() };
-    covered("flicker, poor rotations", &poor, 12, BAND);
-}
-
-#[test]
-fn stream_one_percent_poor_rotations() {
-    let poor =
-        Campaign { white_nt: 0.01 * MAGNITUDE_NT, rows: 1500, turns: Turns::Poor, ..Campaign::default() };
-    covered_in_a_stream("stream, 1 %, poor rotations", &poor, 8, WIDE);
-}
-
-#[test]
-fn stream_white_noise() {
+fn white_noise_of_a_stream() {
+    covered_in_a_stream("stream, 1 %, poor rotations", &one_percent(Turns::Poor), 8, WIDE);
     for (name, turns) in [("all directions", Turns::Any), ("poor rotations", Turns::Poor)] {
         let one = Campaign { turns, rows: 6000, ..Campaign::default() };
         covered_in_a_stream(&format!("stream, 10 ppm, {name}, 6000 rows"), &one, 8, WIDE);
     }
 }
 
-fn stream_flicker(name: &str, turns: Turns) {
-    for rows in [600, 6000] {
-        let one = Campaign { flicker: 0.25, white_nt: 0.1, turns, rows, ..Campaign::default() };
-        covered_in_a_stream(&format!("stream, flicker, {name}, {rows} rows"), &one, 8, WIDE);
+#[test]
+fn flicker_noise_of_a_stream() {
+    let ways = [("all directions", Turns::Any), ("slow turns", Turns::Slow), ("poor rotations", Turns::Poor)];
+    for (name, turns) in ways {
+        for rows in [600, 6000] {
+            let name = format!("stream, flicker, {name}, {rows} rows");
+            covered_in_a_stream(&name, &flicker(turns, rows), 8, WIDE);
+        }
     }
-}
-
-#[test]
-fn stream_flicker_all_directions() {
-    stream_flicker("all directions", Turns::Any);
-}
-
-#[test]
-fn stream_flicker_slow_turns() {
-    stream_flicker("slow turns", Turns::Slow);
-}
-
-#[test]
-fn stream_flicker_poor_rotations() {
-    stream_flicker("poor rotations", Turns::Poor);
 }
 
 /// A field that nobody measured, and that wanders as that of the Earth does.
 #[test]
-fn unmeasured_field_slow_turns() {
+fn unmeasured_field() {
     let slow = Campaign { wanders: Some(0.3), varies: 0.0, turns: Turns::Slow, ..Campaign::default() };
     covered("unmeasured field, slow turns", &slow, 12, BAND);
-}
-
-#[test]
-fn unmeasured_field_all_directions() {
     let any = Campaign { wanders: Some(3.0), varies: 0.0, ..Campaign::default() };
     covered("unmeasured field, all directions", &any, 12, BAND);
 }

@@ -7,6 +7,8 @@ use scalarcal::Options;
 use serde_json::json;
 use std::f64::consts::PI;
 
+use crate::build::run;
+
 /// What the documentation prints for the expected field strength.
 const DOCUMENTED: f64 = 31.0723;
 /// A and the expected field strength of the turned ellipsoid.
@@ -36,8 +38,7 @@ fn found(points: &[Vector3<f64>]) -> (Matrix3<f64>, Vector3<f64>, f64) {
         "columns": {"sensor_x_nt": column(0), "sensor_y_nt": column(1), "sensor_z_nt": column(2)}}]});
     let document = Document::parse(&document.to_string()).expect("a document");
     let options = Options { constant_magnitude: true, ..Options::default() };
-    let calibration =
-        scalarcal::run(document, &options).expect("a calibration").calibration.expect("a calibration");
+    let calibration = run(document, &options).calibration.expect("a calibration");
     let sensors = calibration.sensors.expect("sensors");
     let (mut k, mut offset) = (Matrix3::zeros(), Vector3::zeros());
     for (axis, sensor) in sensors.iter() {

@@ -3,7 +3,7 @@
 use common::Document;
 use scalarcal::Options;
 
-use crate::build::found;
+use crate::build::{declared, found, run};
 
 const VALUES: [f64; 9] = [
     6412.782424947416,
@@ -31,11 +31,9 @@ const STD: [f64; 9] = [
 /// The noise is declared white, as SciPy has it; the second-order term of the noise is 1e-5 nT here.
 #[test]
 fn values_and_uncertainties() {
-    let mut document =
+    let document =
         Document::parse(&testkit::read_fixture("scalarcal/meadow/input.json")).expect("a document");
-    let noise = serde_json::from_str(r#"{"white_rms_nt": 0.56}"#).expect("a noise");
-    document.instrument.as_mut().expect("an instrument").noise = Some(noise);
-    let document = scalarcal::run(document, &Options::default()).expect("a calibration");
+    let document = run(declared(document, 0.56), &Options::default());
     for (((value, std), expected), expected_std) in found(&document).iter().zip(VALUES).zip(STD) {
         assert!(
             (value - expected).abs() < 0.02 * expected_std,

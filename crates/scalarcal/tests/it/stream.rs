@@ -9,11 +9,7 @@ use scalarcal::{Options, Source};
 use std::cell::RefCell;
 use std::ops::Range;
 
-use crate::build::{Campaign, declared, found, piece};
-
-fn scalar(document: &Document) -> &ScalarCalibration {
-    document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration")
-}
+use crate::build::{Campaign, change, declared, findings, found, piece, run, scalar};
 
 fn answer(partial: &Partial, document: &Document) -> Document {
     stream::document(partial, document.clone(), &Options::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -40,9 +36,7 @@ fn apart(one: &Document, other: &Document) -> f64 {
 fn clipped(seed: u64, rows: usize) -> Document {
     let campaign = Campaign { rows, ..Campaign::default() };
     let mut document = declared(campaign.document(seed), campaign.white_nt);
-    let column = document.recordings[0].columns.get_mut("sensor_z_v").expect("z");
-    let values: Vec<f64> = column.iter().map(|value| value.clamp(-7.0, 7.0)).collect();
-    *column = values.into();
+    change(&mut document, "sensor_z_v", |_, value| value.clamp(-7.0, 7.0));
     document
 }
 
@@ -52,14 +46,14 @@ fn one_pass_is_what_the_rows_at_hand_say() {
         for clip in [false, true] {
             let campaign = Campaign { rows: 3000, white_nt: noise, ..Campaign::default() };
             let document = if clip { clipped(3, 3000) } else { declared(campaign.document(3), noise) };
-            let rows = scalarcal::run(document.clone(), &Options::default()).expect("a calibration");
+            let rows = run(document.clone(), &Options::default());
             let pass = answer(&piece(&document, 0..3000), &document);
             let distance = apart(&rows, &pass);
             println!("{noise} nT, clipped: {clip}: {distance:.1e}");
             assert!(distance < 1e-6, "{distance}");
             assert_eq!(scalar(&rows).left_out, scalar(&pass).left_out);
             assert_eq!((scalar(&rows).rows, clip), (scalar(&pass).rows, !scalar(&pass).left_out.is_empty()));
-            assert_eq!(scalar(&rows).findings, scalar(&pass).findings);
+            assert_eq!(findings(&rows), findings(&pass));
         }
     }
 }

@@ -1,23 +1,13 @@
 //! Twelve parameters by a known field and the attitude, in orbit. FLUXCAL_CAMPAIGNS sets how many campaigns.
 
-use common::{Axis, Document, Noise, uncertainty};
+use common::{Axis, Noise, uncertainty};
 use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use scalarcal::Options;
 use simulate::{KnownField, Plan, Procedure};
 
-use crate::build::found;
+use crate::build::{change, constants, directions, findings, found, intervals_hold, run, told};
 use crate::orbit::{BAND, LONGER, recorded};
-
-const VECTOR: Options = Options {
-    windows_s: None,
-    known: false,
-    robust: false,
-    constant_magnitude: false,
-    reference_offset: false,
-    vector: true,
-    with: Vec::new(),
-};
 
 /// What is beside the readings.
 #[derive(Clone, Copy)]
@@ -56,51 +46,30 @@ fn paths() -> Vec<String> {
 
 /// Their values in a calibration.
 fn values(calibration: &common::Calibration) -> Vec<f64> {
-    let of = |axis: Axis| calibration.sensor(axis).expect("a sensor");
-    let ks = Axis::ALL.map(|axis| of(axis).sensitivity_nt_per_v.as_ref().expect("k").value());
-    let offsets = Axis::ALL.map(|axis| of(axis).offset_nt.as_ref().expect("O").value());
-    let axes = calibration.axes.as_ref().and_then(|axes| axes.sensors.as_ref()).expect("axes");
-    let matrix = axes.matrix.expect("directions");
-    let column = |k: usize| Vector3::from_fn(|row, _| matrix[row][k]).normalize();
-    let across = (0..9).filter(|k| k % 4 != 0).map(|k| column(k / 3)[k % 3]);
-    ks.into_iter().chain(offsets).chain(across).collect()
+    let column = directions(calibration);
+    let across = (0..9).filter(|k| k % 4 != 0).map(|k| column[k / 3][k % 3]);
+    constants(calibration).into_iter().chain(across).collect()
 }
 
-fn run(document: Document) -> Document {
-    scalarcal::run(document, &VECTOR).unwrap_or_else(|error| panic!("{error}"))
-}
-
-fn findings(document: &Document) -> String {
-    let scalar = document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration");
-    scalar.findings.join("\n")
+fn vector() -> Options {
+    Options { vector: true, ..Options::default() }
 }
 
 fn covered(name: &str, beside: Beside, usual: u64) {
-    let campaigns = testkit::campaigns(usual);
     let paths = paths();
-    let all: Vec<Vec<(f64, f64)>> = (0..campaigns)
+    let all: Vec<Vec<(f64, f64)>> = (0..testkit::campaigns(usual))
         .into_par_iter()
         .map(|seed| {
             let plan = plan(seed, beside);
             let truth = values(plan.truth.calibration.as_ref().expect("a truth"));
-            let calibration = run(recorded(&plan)).calibration.expect("a calibration");
+            let calibration = run(recorded(&plan), &vector()).calibration.expect("a calibration");
             let joint = calibration.uncertainty.as_ref().expect("sources");
             let found = values(&calibration).into_iter().zip(truth).zip(&paths);
             found.map(|((value, truth), path)| (value - truth, joint.std(path))).collect()
         })
         .collect();
-    for (parameter, path) in paths.iter().enumerate() {
-        let inside = all.iter().filter(|one| one[parameter].0.abs() <= 1.96 * one[parameter].1).count();
-        let rms = (all.iter().map(|one| one[parameter].0.powi(2)).sum::<f64>() / campaigns as f64).sqrt();
-        let std = all.iter().map(|one| one[parameter].1).sum::<f64>() / campaigns as f64;
-        println!(
-            "{name}, {path}: {inside} of {campaigns} inside, rms error {rms:.3e}, standard uncertainty {std:.3e}"
-        );
-        assert!(
-            testkit::agrees(inside, campaigns as usize, BAND, paths.len()),
-            "{name}, {path}: {inside} of {campaigns} in their 95 % intervals"
-        );
-    }
+    let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
+    intervals_hold(name, &paths, &all, BAND);
 }
 
 #[test]
@@ -123,31 +92,24 @@ fn a_model_that_is_poor_does_not_bias() {
     covered("poor model", Beside { white_nt: 2000.0, attitude_arcsec: 2000.0, ..MODEL }, 4);
 }
 
-/// Changes the readings of a recording.
-fn with_readings(document: &mut Document, change: impl Fn(&mut [Vec<f64>; 3])) {
-    let columns = &mut document.recordings[0].columns;
-    let mut all = ["x", "y", "z"].map(|name| columns[&format!("sensor_{name}_v")].to_vec());
-    change(&mut all);
-    for (name, values) in ["x", "y", "z"].iter().zip(all) {
-        columns.insert(format!("sensor_{name}_v"), values.into());
-    }
-}
-
 #[test]
 fn swapped_and_mirrored_axes_are_told() {
     for scalar in [false, true] {
         let plan = plan(3, Beside { scalar, ..MODEL });
         let truth = values(plan.truth.calibration.as_ref().expect("a truth"));
-        assert_eq!(findings(&run(recorded(&plan))), "");
+        assert_eq!(findings(&run(recorded(&plan), &vector())), "");
         let mut swapped = recorded(&plan);
-        with_readings(&mut swapped, |all| all.swap(0, 1));
-        let swapped = run(swapped);
+        let columns = &mut swapped.recordings[0].columns;
+        let [x, y] = ["sensor_x_v", "sensor_y_v"].map(|name| columns[name].clone());
+        columns.insert("sensor_x_v".into(), y);
+        columns.insert("sensor_y_v".into(), x);
+        let swapped = run(swapped, &vector());
         assert!(findings(&swapped).contains("sensors x and y are swapped"), "{}", findings(&swapped));
         let found = values(swapped.calibration.as_ref().expect("a calibration"));
         assert!((found[0] - truth[1]).abs() < 1.0 && (found[1] - truth[0]).abs() < 1.0, "{found:?}");
         let mut mirrored = recorded(&plan);
-        with_readings(&mut mirrored, |all| all[2].iter_mut().for_each(|value| *value = -*value));
-        let mirrored = run(mirrored);
+        change(&mut mirrored, "sensor_z_v", |_, value| -value);
+        let mirrored = run(mirrored, &vector());
         assert!(findings(&mirrored).contains("sensor z reads the field with the opposite sign"));
         let found = values(mirrored.calibration.as_ref().expect("a calibration"));
         assert!((found[2] - truth[2]).abs() < 1.0 && (found[5] + truth[5]).abs() < 2.0, "{found:?}");
@@ -158,13 +120,9 @@ fn swapped_and_mirrored_axes_are_told() {
 fn an_inverse_attitude_is_told() {
     let mut document = recorded(&plan(4, MODEL));
     for name in ["attitude_x", "attitude_y", "attitude_z"] {
-        let column = document.recordings[0].columns.get_mut(name).expect("an attitude");
-        column.iter_mut().for_each(|value| *value = -*value);
+        change(&mut document, name, |_, value| -value);
     }
-    let message = match scalarcal::run(document, &VECTOR) {
-        Ok(document) => findings(&document),
-        Err(error) => error.to_string(),
-    };
+    let message = told(scalarcal::run(document, &vector()));
     assert!(message.contains("inverse of the attitude"), "{message}");
 }
 
@@ -172,14 +130,14 @@ fn an_inverse_attitude_is_told() {
 fn a_field_without_attitude_is_refused() {
     let mut document = recorded(&plan(5, MODEL));
     document.recordings[0].columns.shift_remove("attitude_w");
-    let message = scalarcal::run(document, &VECTOR).expect_err("no attitude").to_string();
+    let message = told(scalarcal::run(document, &vector()));
     assert!(message.contains("attitude_w"), "{message}");
 }
 
 #[test]
 fn what_was_found_gives_the_field_back() {
     let plan = plan(6, MODEL);
-    let document = run(recorded(&plan));
+    let document = run(recorded(&plan), &vector());
     let calibration = document.calibration.as_ref().expect("a calibration");
     let basic = physics::Basic::found(&document, physics::Unit::Volt);
     let unmix = basic.mu.transpose().try_inverse().unwrap_or_else(Matrix3::identity);
@@ -187,13 +145,11 @@ fn what_was_found_gives_the_field_back() {
         physics::Context::new(&document, &document.recordings[0], physics::References::of(&document))
             .expect("a recording");
     let (mut squares, mut count) = (0.0, 0.0_f64);
+    let constants = constants(calibration);
     for row in 0..context.rows {
         let along = Vector3::from_fn(|k, _| {
-            let axis = Axis::ALL[k];
-            let sensor = calibration.sensor(axis).expect("a sensor");
-            let read = document.recordings[0].axis_column("sensor", axis, "v").expect("readings")[row];
-            sensor.sensitivity_nt_per_v.as_ref().expect("k").value() * read
-                + sensor.offset_nt.as_ref().expect("O").value()
+            let read = document.recordings[0].axis_column("sensor", Axis::ALL[k], "v").expect("readings");
+            constants[k] * read[row] + constants[3 + k]
         });
         let off = unmix * along - context.rotation(row) * context.ambient(row);
         squares += off.norm_squared();
@@ -207,8 +163,8 @@ fn what_was_found_gives_the_field_back() {
 #[test]
 fn beside_a_scalar_magnetometer_the_nine_stay() {
     let document = recorded(&plan(7, Beside { scalar: true, flicker: 1.0, ..MODEL }));
-    let plain = scalarcal::run(document.clone(), &Options::default()).expect("calibrated");
-    let (plain, with) = (found(&plain), found(&run(document)));
+    let plain = run(document.clone(), &Options::default());
+    let (plain, with) = (found(&plain), found(&run(document, &vector())));
     assert_eq!((plain.len(), with.len()), (9, 12));
     for ((a, std), (b, other)) in plain.iter().zip(&with) {
         assert!((a - b).abs() < 1e-6 * std && (std / other - 1.0).abs() < 1e-6, "{a} {b} {std} {other}");

@@ -4,33 +4,21 @@ use common::{Document, ScalarStability};
 use rayon::prelude::*;
 use scalarcal::{Options, stream};
 
-use crate::build::{Campaign, declared, piece};
+use crate::build::{Campaign, Turns, change, declared, piece, run, scalar, told};
 
-const WINDOWS: Options = Options {
-    known: false,
-    robust: false,
-    constant_magnitude: false,
-    reference_offset: false,
-    vector: false,
-    with: Vec::new(),
-    windows_s: Some(256.0),
-};
+fn windows(length_s: f64) -> Options {
+    Options { windows_s: Some(length_s), ..Options::default() }
+}
 
 fn stability(document: &Document) -> &ScalarStability {
-    let scalar = document.calibration.as_ref().and_then(|c| c.scalar.as_ref()).expect("a calibration");
-    scalar.stability.as_ref().expect("windows")
+    scalar(document).stability.as_ref().expect("windows")
 }
 
 /// Offsets that step by 2 nT in the second half.
 fn stepped(campaign: &Campaign, seed: u64) -> Document {
     let mut document = campaign.document(seed);
-    let column = document.recordings[0].columns.get_mut("sensor_x_v").expect("x");
-    let values: Vec<f64> = column
-        .iter()
-        .enumerate()
-        .map(|(row, value)| if row >= 1024 { value - 2.0 / campaign.sensitivity[0] } else { *value })
-        .collect();
-    *column = values.into();
+    let step = 2.0 / campaign.sensitivity[0];
+    change(&mut document, "sensor_x_v", |row, value| if row >= 1024 { value - step } else { value });
     document
 }
 
@@ -39,8 +27,8 @@ fn a_step_is_told_where_it_is() {
     let campaign = Campaign { rows: 2048, ..Campaign::default() };
     let document = declared(stepped(&campaign, 1), campaign.white_nt);
     for document in [
-        scalarcal::run(document.clone(), &WINDOWS).expect("a calibration"),
-        stream::document(&piece(&document, 0..2048), document, &WINDOWS).expect("a calibration"),
+        run(document.clone(), &windows(256.0)),
+        stream::document(&piece(&document, 0..2048), document, &windows(256.0)).expect("a calibration"),
     ] {
         let stability = stability(&document);
         assert!(stability.p_value < 1e-6, "{}", stability.p_value);
@@ -67,9 +55,9 @@ fn windows_are_as_uncertain_as_they_say() {
                 let document = stepped(&campaign, seed);
                 let document = if white { declared(document, campaign.white_nt) } else { document };
                 let document = if in_a_stream {
-                    stream::document(&piece(&document, 0..2048), document, &WINDOWS)
+                    stream::document(&piece(&document, 0..2048), document, &windows(256.0))
                 } else {
-                    scalarcal::run(document, &WINDOWS)
+                    scalarcal::run(document, &windows(256.0))
                 }
                 .expect("a calibration");
                 let windows = stability(&document).windows.iter().enumerate();
@@ -93,12 +81,11 @@ fn windows_are_as_uncertain_as_they_say() {
 
 #[test]
 fn windows_that_do_not_determine_the_sensors_have_no_values() {
-    let campaign = Campaign { rows: 2048, turns: crate::build::Turns::Slow, ..Campaign::default() };
-    let short = Options { windows_s: Some(70.0), ..WINDOWS };
-    let document = scalarcal::run(campaign.document(2), &short).expect("a calibration");
-    let windows = &stability(&document).windows;
-    assert_eq!(windows.len(), 30);
-    assert!(windows.iter().any(|window| window.values.is_empty() && window.std.is_empty()));
-    let none = scalarcal::run(campaign.document(2), &Options { windows_s: Some(1e-4), ..WINDOWS });
-    assert!(none.expect_err("too many").to_string().contains("use longer ones"));
+    let campaign = Campaign { rows: 2048, turns: Turns::Slow, ..Campaign::default() };
+    let document = run(campaign.document(2), &windows(70.0));
+    let parts = &stability(&document).windows;
+    assert_eq!(parts.len(), 30);
+    assert!(parts.iter().any(|window| window.values.is_empty() && window.std.is_empty()));
+    let none = scalarcal::run(campaign.document(2), &windows(1e-4));
+    assert!(told(none).contains("use longer ones"));
 }
