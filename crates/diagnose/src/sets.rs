@@ -377,10 +377,12 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     /// do; names of one sensor do not cancel each other.
     fn admissible(&self, members: &[Member], coefficients: &[f64]) -> Option<()> {
         let mut own: Vec<(&Atom, Vec<(usize, f64)>)> = Vec::new();
-        for (member, [sizes, departs]) in members.iter().zip(self.split(members, coefficients)) {
+        for (member, parts) in members.iter().zip(self.split(members, coefficients)) {
+            let sizes = parts[0];
             let atom = &self.atoms.all[member.atom];
             let columns = &atom.shapes[member.shape].columns;
-            if atom.finite && sizes[0] <= 0.0 {
+            // What it does is more of what its equation says, and not its opposite.
+            if atom.finite && self.whole(member, parts, 1.0) <= self.whole(member, parts, -1.0) {
                 return None;
             }
             // The product of two is none where only one of the two acts.
@@ -391,7 +393,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                 }
             }
             own.push((atom, columns.iter().copied().zip(sizes.iter().copied()).collect()));
-            if self.departure(member, [sizes, departs]) > FORM_ENERGY {
+            if self.departure(member, parts) > FORM_ENERGY {
                 return None;
             }
         }
@@ -399,15 +401,25 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     }
 
     /// Share of a member's energy by which it departs from its form, its own coefficients and those of its
-    /// departures being these.
-    fn departure(&self, member: &Member, [sizes, departs]: [&[f64]; 2]) -> f64 {
+    /// departures and of its neighbouring shapes being these.
+    fn departure(&self, member: &Member, [sizes, departs, neighbours]: [&[f64]; 3]) -> f64 {
         let Some(form) = self.form(member) else { return 0.0 };
         // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.
         let orders = form.departures.iter().flat_map(|group| 1..=group.len());
         let departure: f64 = orders.zip(departs).map(|(k, a)| 0.5 * (a / k as f64).powi(2)).sum();
-        let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
-        let whole = energy(&self.screen, columns, sizes) / form.energy.max(f64::MIN_POSITIVE);
+        let whole =
+            self.whole(member, [sizes, departs, neighbours], 0.0) / form.energy.max(f64::MIN_POSITIVE);
         if departure > 0.0 { departure / whole } else { 0.0 }
+    }
+
+    /// Energy of what a member does, with something more of its first column. A shape between two of the grid is one of
+    /// them and a part of the way to the next.
+    fn whole(&self, member: &Member, [sizes, _, neighbours]: [&[f64]; 3], more: f64) -> f64 {
+        let own = &self.atoms.all[member.atom].shapes[member.shape].columns;
+        let beside = self.form(member).map_or(&[][..], |form| &form.neighbours);
+        let mut sizes = [sizes, neighbours].concat();
+        sizes[0] += more;
+        energy(&self.screen, &[own, beside].concat(), &sizes)
     }
 
     /// See [`Self::admissible`].
@@ -440,8 +452,8 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         Some(())
     }
 
-    /// The coefficients of all terms member by member: its own, and those of its departures.
-    fn split<'c>(&self, members: &[Member], coefficients: &'c [f64]) -> Vec<[&'c [f64]; 2]> {
+    /// The coefficients of all terms member by member: its own, those of its departures, and of its neighbouring shapes.
+    fn split<'c>(&self, members: &[Member], coefficients: &'c [f64]) -> Vec<[&'c [f64]; 3]> {
         let mut left = coefficients;
         let mut take = |count: usize| {
             let (taken, rest) = left.split_at(count);
@@ -452,8 +464,8 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             let own = take(self.atoms.all[member.atom].shapes[member.shape].columns.len());
             let form = self.form(member);
             let departs = take(form.map_or(0, |form| form.departures.iter().map(Vec::len).sum()));
-            take(form.map_or(0, |form| form.neighbours.len()));
-            [own, departs]
+            let neighbours = take(form.map_or(0, |form| form.neighbours.len()));
+            [own, departs, neighbours]
         };
         members.iter().map(of).collect()
     }

@@ -49,7 +49,7 @@ impl Sets<'_, '_, '_> {
     pub fn coefficients(&self, members: &[Member]) -> Option<Vec<Vec<f64>>> {
         let given = Given::of(&self.screen, self.terms(members))?;
         let all = given.coefficients();
-        Some(self.split(members, &all).into_iter().map(|[own, _]| own.to_vec()).collect())
+        Some(self.split(members, &all).into_iter().map(|[own, ..]| own.to_vec()).collect())
     }
 
     /// Share of its energy by which each of a set's members departs from its form.
