@@ -47,7 +47,7 @@ pub(super) fn detectable(
         let z = threshold.sqrt() + NINE_OF_TEN;
         let mut smallest: IndexMap<String, f64> = IndexMap::new();
         let mut visible = 0.0_f64;
-        for trial in &candidate.trials {
+        for trial in candidate.trials.iter().filter(|trial| trial.fuller.is_none()) {
             for (name, column) in amplitudes.iter().zip(&trial.columns) {
                 visible = visible.max(screen.visible(*column));
                 let one = screen.gain(&[*column])?;
