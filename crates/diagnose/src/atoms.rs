@@ -114,9 +114,7 @@ impl Atom {
     pub fn is_fuller(&self, other: &Self) -> bool {
         match (&self.thing, &other.thing) {
             (Thing::Effect(own), Thing::Effect(other)) => {
-                own.simpler() == Some(other.kind)
-                    && (own.axis, &own.column, &own.recording)
-                        == (other.axis, &other.column, &other.recording)
+                own.simpler() == Some(other.kind) && own.target() == other.target()
             }
             _ => false,
         }
@@ -213,10 +211,10 @@ impl<'p> Atoms<'p> {
     /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives
     /// by the shapes.
     pub fn add_fitted(&mut self, effect: &EffectInstance, columns: Vec<Stacked>, by_shape: Vec<Stacked>) {
-        let of = |effect: &EffectInstance| {
-            (effect.kind, effect.axis, effect.column.clone(), effect.recording.clone())
+        let is_it = |atom: &Atom| match &atom.thing {
+            Thing::Effect(own) => own.kind == effect.kind && own.target() == effect.target(),
+            _ => false,
         };
-        let is_it = |atom: &Atom| matches!(&atom.thing, Thing::Effect(own) if of(own) == of(effect));
         let Some(number) = self.all.iter().position(is_it) else { return };
         let columns = self.add_columns(columns);
         let by_shape = self.add_columns(by_shape);

@@ -3,6 +3,7 @@
 mod answer;
 mod declared;
 mod effects;
+mod families;
 mod magnitude;
 mod pair;
 mod stated;
@@ -156,7 +157,7 @@ impl Compared {
             verdict,
             recordings: self.recordings.clone(),
             places: self.places(&effects),
-            families: effects::families(&self, &effects),
+            families: families::families(&self, &effects),
             effects,
             ambiguity,
             remaining: Some(self.remaining(verdict)),

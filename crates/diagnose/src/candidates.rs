@@ -236,9 +236,10 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
             continue;
         }
         let one = |axis: Option<Axis>, column: Option<String>| {
-            // Shapes beside the first, which goes through its grid, begin in the middle of what is plausible.
+            // Shapes beside the first, which goes through its grid, begin in the middle of what is plausible; those that
+            // a document need not give, at their absence.
             let value = |info: &ParameterInfo| match info.role {
-                Role::Shape => info.absent.unwrap_or_else(|| middle(info)),
+                Role::Shape => info.absent.unwrap_or_else(|| info.middle()),
                 _ if info.name == "reference" => {
                     column.as_ref().map_or(0.0, |name| model.observed.mean(name))
                 }
@@ -272,21 +273,15 @@ fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
         }
     }
     let there = |effect: &EffectInstance| {
-        state.effects.iter().any(|other| {
-            (other.kind, other.axis, &other.column, &other.recording)
-                == (effect.kind, effect.axis, &effect.column, &effect.recording)
-        })
+        let same = |other: &EffectInstance| other.kind == effect.kind && other.target() == effect.target();
+        state.effects.iter().any(same)
     };
     all.retain(|effect| !there(effect));
     all
 }
 
-/// The middle of what is plausible.
-fn middle(info: &ParameterInfo) -> f64 {
-    (info.low * info.high).sqrt()
-}
-
-/// An effect with what it may have besides: what depends on the past at rest in the first field, a second relaxation.
+/// An effect in its fuller form: with a start at rest in the first field, or with a shape that it need not have, such
+/// as a second relaxation. None where it has that already.
 pub fn fuller(effect: &EffectInstance) -> Option<EffectInstance> {
     let infos = effect.kind.parameters();
     let more = (0..infos.len()).find(|k| {
@@ -294,7 +289,7 @@ pub fn fuller(effect: &EffectInstance) -> Option<EffectInstance> {
         infos[*k].absent == Some(effect.parameters[*k]) && (second || infos[*k].name == START)
     })?;
     let mut effect = effect.clone();
-    effect.parameters[more] = if infos[more].name == START { 1.0 } else { middle(&infos[more]) };
+    effect.parameters[more] = if infos[more].name == START { 1.0 } else { infos[more].middle() };
     Some(effect)
 }
 

@@ -109,16 +109,16 @@ pub fn search(
         let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
         sharper |= follow(&mut events, &additions, &fit.state.effects[from..]);
         if round <= REFITS {
-            // Whose shapes were fitted, and what of them was in a fuller form.
+            // What was fitted, each effect in turn in a fuller form, and rivals whose shapes were not fitted yet.
             let mut known = shaped(&additions);
-            let new = |rival: &&Vec<Addition>| {
+            let mut others = in_fuller_form(&additions, &fit.state.effects[from..]);
+            for rival in &answer.rivals {
                 let own = shaped(rival);
-                let is_new = !own.is_subset(&known);
+                if !own.is_subset(&known) {
+                    others.push(rival.clone());
+                }
                 known.extend(own);
-                is_new
-            };
-            let mut others: Vec<Vec<Addition>> = answer.rivals.iter().filter(new).cloned().collect();
-            others.extend(in_fuller_form(&additions, &fit.state.effects[from..]));
+            }
             for other in others {
                 // A rival that has no minimum is none; one that is far behind is fitted no further.
                 let behind = Some(cost + BEHIND * (cost / fit.residual.len() as f64).max(1.0));

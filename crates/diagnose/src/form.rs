@@ -25,8 +25,8 @@ pub struct Form {
     pub neighbours: Vec<Stacked>,
 }
 
-/// The time constant, at one of its shapes, of an effect that remembers fields: these do not wait for a recording to
-/// begin, as temperatures are let settle.
+/// The time constant, at one of its shapes, of an effect that remembers fields. One that remembers temperatures has
+/// none here: they are let settle before a recording.
 fn time_constant_s(effect: &EffectInstance, shape: &Shape) -> Option<f64> {
     let about = effect.kind.about();
     let place = about.parameters.iter().position(|info| ["lag_s", "time_constant_s"].contains(&info.name))?;

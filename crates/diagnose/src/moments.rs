@@ -107,7 +107,8 @@ fn is(one: &Proposal, addition: &Addition) -> bool {
         (Addition::Effect(a), Addition::Effect(b)) => {
             let shapes = a.kind.parameters().iter().zip(a.parameters.iter().zip(&b.parameters));
             let close = |(x, y): (&f64, &f64)| (x - y).abs() <= 1e-6 * x.abs().max(y.abs());
-            (a.kind, a.axis, &a.recording) == (b.kind, b.axis, &b.recording)
+            a.kind == b.kind
+                && a.target() == b.target()
                 && shapes.filter(|(info, _)| info.role != Role::Amplitude).all(|(_, pair)| close(pair))
         }
         (Addition::Single(a), Addition::Single(b)) => a.row == b.row,

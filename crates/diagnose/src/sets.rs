@@ -402,13 +402,12 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
 
     /// Share of a member's energy by which it departs from its form, its own coefficients and those of its
     /// departures and of its neighbouring shapes being these.
-    fn departure(&self, member: &Member, [sizes, departs, neighbours]: [&[f64]; 3]) -> f64 {
+    fn departure(&self, member: &Member, parts: [&[f64]; 3]) -> f64 {
         let Some(form) = self.form(member) else { return 0.0 };
         // A wave of order k is 1/k of the contribution at most, and half of that squared on the average.
         let orders = form.departures.iter().flat_map(|group| 1..=group.len());
-        let departure: f64 = orders.zip(departs).map(|(k, a)| 0.5 * (a / k as f64).powi(2)).sum();
-        let whole =
-            self.whole(member, [sizes, departs, neighbours], 0.0) / form.energy.max(f64::MIN_POSITIVE);
+        let departure: f64 = orders.zip(parts[1]).map(|(k, a)| 0.5 * (a / k as f64).powi(2)).sum();
+        let whole = self.whole(member, parts, 0.0) / form.energy.max(f64::MIN_POSITIVE);
         if departure > 0.0 { departure / whole } else { 0.0 }
     }
 

@@ -150,6 +150,11 @@ impl ParameterInfo {
         Self { name, low, high, role: Role::Epoch, absent: Some(0.0) }
     }
 
+    /// The middle of what is plausible: the geometric mean.
+    pub fn middle(&self) -> f64 {
+        (self.low * self.high).sqrt()
+    }
+
     /// Whether it is a shape that can be fitted from a value; not where the effect has none of it, as no lag.
     pub fn is_shape_at(&self, value: f64) -> bool {
         self.role == Role::Shape && self.absent != Some(value)

@@ -46,12 +46,17 @@ pub struct EffectInstance {
 }
 
 impl EffectInstance {
+    /// What it acts on: a sensor or coil, the column that it follows, a recording.
+    pub fn target(&self) -> (Option<Axis>, Option<&str>, Option<&str>) {
+        (self.axis, self.column.as_deref(), self.recording.as_deref())
+    }
+
     /// Whether another is the same effect, its amplitudes, shapes and moments apart.
     pub fn is_same(&self, other: &Self) -> bool {
         let fixed = |info: &ParameterInfo| info.role == Role::Epoch && !info.is_moment();
         let infos = self.kind.parameters().iter().zip(self.parameters.iter().zip(&other.parameters));
-        (self.kind, self.axis, &self.column, &self.recording)
-            == (other.kind, other.axis, &other.column, &other.recording)
+        self.kind == other.kind
+            && self.target() == other.target()
             && infos.filter(|(info, _)| fixed(info)).all(|(_, (own, theirs))| own == theirs)
     }
 

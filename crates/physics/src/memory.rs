@@ -15,7 +15,7 @@ use crate::Real;
 const GAP: f64 = 4.0;
 /// A step whose slope is less than this share of a neighbour's is flat.
 const FLAT: f64 = 0.02;
-/// Two poles whose ratio is nearer to one than this are taken as so far apart.
+/// Two lags whose ratio is nearer to one than this are taken as so far apart.
 const APART: f64 = 1e-4;
 /// Steps that differ by less than this share are one.
 const SAME_STEP: f64 = 1e-9;

@@ -39,10 +39,9 @@ fn document() -> Document {
 /// An effect at the geometric middle of its plausible ranges, each amplitude known to a hundredth.
 fn adopted(kind: Kind) -> AdoptedEffect {
     let acts = kind.about().acts;
-    let middle = |info: &physics::ParameterInfo| (info.low * info.high).sqrt();
     let value = |info: &physics::ParameterInfo| match info.role {
-        physics::Role::Epoch => Quantity::Bare(middle(info)),
-        _ => Quantity::new(middle(info), 0.01 * middle(info)),
+        physics::Role::Epoch => Quantity::Bare(info.middle()),
+        _ => Quantity::new(info.middle(), 0.01 * info.middle()),
     };
     AdoptedEffect {
         effect: kind.name().into(),

@@ -1,12 +1,11 @@
 //! The causes that were found, as effects of the document.
 
-use common::{ExplainedEffect, ExplainedFamily, FamilyMember, ListedEffect, Quantity};
+use common::{ExplainedEffect, ListedEffect, Quantity};
 use explain::{Amplitude, Cause, Form};
 use indexmap::IndexMap;
-use physics::{Family, Kind};
+use physics::Kind;
 
 use super::{Compared, rms};
-use crate::families::LEAST;
 
 /// All that explains something, the largest first.
 pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
@@ -21,60 +20,6 @@ pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
     effects.extend(steps(compared));
     effects.sort_by(|a, b| b.share.unwrap_or(0.0).total_cmp(&a.share.unwrap_or(0.0)));
     effects
-}
-
-/// The families of some effects, the one that explains most first: how probable each is, and its members in the
-/// sets that were weighed.
-pub fn families(compared: &Compared, effects: &[ExplainedEffect]) -> Vec<ExplainedFamily> {
-    let explained = &compared.explained;
-    let named = |cause: Cause| explained.causes.iter().find(|one| one.cause == cause);
-    let kind = |cause: Cause| {
-        let one = named(cause);
-        kind(compared, cause, one.map_or(Form::default(), |one| one.form))
-    };
-    let weight = |has: &dyn Fn(Cause) -> bool| -> f64 {
-        let sets = explained.rivals.iter().filter(|set| set.causes.iter().any(|cause| has(*cause)));
-        sets.map(|set| set.probability).sum::<f64>().min(1.0)
-    };
-    let of = |family: Family| {
-        let own = effects
-            .iter()
-            .filter(|effect| Kind::named(&effect.effect).is_some_and(|kind| kind.about().family == family));
-        let own: Vec<&ExplainedEffect> = own.collect();
-        let first = own.first()?;
-        let mut causes: Vec<Cause> = explained.rivals.iter().flat_map(|set| set.causes.clone()).collect();
-        causes.sort();
-        causes.dedup();
-        causes.retain(|cause| kind(*cause).about().family == family);
-        let member = |cause: &Cause| FamilyMember {
-            effect: format!("{} {}", kind(*cause).name(), compared.name(*cause)),
-            probability: weight(&|other| other == *cause),
-        };
-        let mut members: Vec<FamilyMember> = causes.iter().map(member).collect();
-        // Clocks and steps are found apart, without rivals.
-        if members.is_empty() {
-            let probability = first.probability.unwrap_or(1.0);
-            members.push(FamilyMember { effect: first.effect.clone(), probability });
-        }
-        let probability = match causes.is_empty() {
-            true => members[0].probability,
-            false => weight(&|cause| causes.contains(&cause)),
-        };
-        members.retain(|member| member.probability >= LEAST);
-        members.sort_by(|a, b| b.probability.total_cmp(&a.probability));
-        Some(ExplainedFamily {
-            family: family.word().into(),
-            title: family.title().into(),
-            probability,
-            share: own.iter().filter_map(|effect| effect.share).sum::<f64>().min(1.0),
-            members,
-            told_apart_by: family.told_apart_by().into(),
-            ..ExplainedFamily::default()
-        })
-    };
-    let mut all: Vec<ExplainedFamily> = Family::ALL.into_iter().filter_map(of).collect();
-    all.sort_by(|a, b| b.share.total_cmp(&a.share));
-    all
 }
 
 /// Where an effect acts.
@@ -117,7 +62,7 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
 }
 
 /// The effect that a cause is in a form: of a current that acts at once the catalogue has the field.
-fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
+pub fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
     match cause {
         Cause::Covariate(number)
             if compared.covariates[number].ends_with("_a") && form == Form::default() =>

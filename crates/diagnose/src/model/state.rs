@@ -105,9 +105,7 @@ impl Model<'_> {
             let (info, value) = (&effect.kind.parameters()[parameter], effect.parameters[parameter]);
             let (off, std) = match (effect.kind, info.name.ends_with("_ratio")) {
                 (Kind::SunThermoelectricHarmonics, _) => (value, info.high),
-                (_, true) => {
-                    ((value / (info.low * info.high).sqrt()).ln(), 0.25 * (info.high / info.low).ln())
-                }
+                (_, true) => ((value / info.middle()).ln(), 0.25 * (info.high / info.low).ln()),
                 _ => return None,
             };
             Some((self.unknowns.len() + k, off, std))

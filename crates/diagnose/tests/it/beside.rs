@@ -100,6 +100,10 @@ fn a_load_that_is_switched_is_no_step() {
     for (name, truth) in [("x_nt_per_a", 3.0), ("y_nt_per_a", -1.0), ("z_nt_per_a", 2.0)] {
         near(&found.effects[0].parameters[name], truth);
     }
+    let [family] = &found.families[..] else { panic!("one family: {:?}", found.families) };
+    assert_eq!((family.family.as_str(), family.members.len()), ("follows_column", 1), "{family:?}");
+    assert_eq!(family.members[0].effect, "stray_current load_current_a");
+    assert!(family.probability > 0.99 && family.share > 0.99, "{family:?}");
     let fit = found.fit.expect("a fit");
     assert!(fit.rms_after_nt < 0.12 && fit.rms_refitted_nt > 1.0, "{fit:?}");
     // The rivals are told, and do not win.
@@ -138,6 +142,10 @@ fn a_command_that_is_logged_a_row_early_and_a_step_are_told_apart() {
     assert_eq!(relay.parameters["late_rows"].value(), -1.0, "{}", found.answer);
     near(&relay.parameters["x_nt_per_v"], 2.0);
     near(&step.parameters["x_height_nt"], 1.5);
+    // A step is certain, whatever the chance of another change with time.
+    let families: Vec<(&str, bool)> =
+        found.families.iter().map(|one| (one.family.as_str(), one.probability > 0.99)).collect();
+    assert_eq!(families, [("follows_column", true), ("time", true)], "{:?}", found.families);
     assert_eq!(step.parameters["time_s"].value(), 800.0 * STEP_S);
 }
 

@@ -106,6 +106,23 @@ fn by_hand() {
     assert!(difference(&found.values, &expected) < 1e-14, "{:?}", found.values);
 }
 
+/// By differences of answers: the squares of how far the tilt of an axis, (sin γ sin α, sin γ cos α), moves with the
+/// nine of η, its azimuth and polar angle being these.
+fn tilts_squared(p: &[f64; 14], azimuth: usize, polar: usize) -> [f64; 2] {
+    const STEP: f64 = 1e-5;
+    let tilt = |k: usize, by: f64| {
+        let mut eta = eta_of(p);
+        eta[k] += by;
+        let found = solve(&eta, &EtaCovariance::zeros(), &test(p)).expect("an answer").values;
+        let (sin, cos) = found[azimuth].sin_cos();
+        [sin, cos].map(|part| found[polar].sin() * part)
+    };
+    let moved = (0..9).map(|k| [tilt(k, STEP), tilt(k, -STEP)]);
+    moved.fold([0.0; 2], |sum, [up, down]| {
+        std::array::from_fn(|i| sum[i] + ((up[i] - down[i]) / (2.0 * STEP)).powi(2))
+    })
+}
+
 #[test]
 fn a_vertical_axis_has_no_azimuth() {
     let truth = parameters([0.0, 3.0, 0.0, 90.0, 90.0, 0.0, 90.0, 0.0, 0.0], [1.0, 1.1, 0.9, 1.0, 1.0]);
@@ -115,7 +132,8 @@ fn a_vertical_axis_has_no_azimuth() {
     let sigma = found.uncertainties();
     for (azimuth, polar) in [(0, 2), (7, 8)] {
         assert_eq!(sigma[azimuth], UNDETERMINED_RAD);
-        assert!(sigma[polar] > 5e-5);
+        let expected = 1e-8 * tilts_squared(&truth, azimuth, polar).iter().sum::<f64>();
+        assert!((sigma[polar].powi(2) / expected - 1.0).abs() < 1e-8, "{}", sigma[polar]);
         assert!((0..14).all(|i| i == azimuth || found.covariance[(i, azimuth)] == 0.0));
     }
     assert!(found.values.iter().chain(found.covariance.iter()).all(|value| value.is_finite()));
@@ -124,9 +142,8 @@ fn a_vertical_axis_has_no_azimuth() {
     tilted[2] = 0.01;
     let found = solve(&eta_of(&tilted), &covariance, &test(&tilted)).expect("an answer");
     assert_eq!(found.undetermined, ["phi_z_rad"]);
-    // Across the tilt it moves by as much as the vertical axis does: half of the polar angle's mean square.
-    let across = sigma[2] / 2_f64.sqrt();
-    assert!((found.uncertainties()[0] * 0.01_f64.sin() / across - 1.0).abs() < 0.1);
+    let across = 1e-4 * tilts_squared(&tilted, 0, 2)[0].sqrt();
+    assert!((found.uncertainties()[0] * 0.01_f64.sin() / across - 1.0).abs() < 1e-6);
     // A known α stays what it is, also of a vertical axis.
     let mut known = reference(&truth);
     known.covariance[(0, 0)] = 0.01;

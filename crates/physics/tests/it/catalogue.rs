@@ -77,8 +77,7 @@ fn typical(kind: Kind) -> EffectInstance {
     // Two alike may hide a third: a coil as warm at the first row as its current makes it shows no time
     // constant.
     let share = |info: &ParameterInfo| if info.absent.is_some() { 0.5 } else { 1.0 };
-    let parameters =
-        kind.parameters().iter().map(|info| share(info) * (info.low * info.high).sqrt()).collect();
+    let parameters = kind.parameters().iter().map(|info| share(info) * info.middle()).collect();
     let acts = kind.about().acts;
     EffectInstance {
         kind,
@@ -259,8 +258,8 @@ fn parameters_are_recovered_from_simulated_readings() {
         // One orientation shows one component of a gradient, and a column of a small range no polynomial.
         let one = matches!(kind, Kind::CoilGradient | Kind::Empirical);
         chosen.truncate(if one { 1 } else { chosen.len() });
-        // Two relaxations side by side are told apart far worse than to 1e-7.
-        chosen.retain(|k| !kind.parameters()[*k].name.ends_with("_ratio"));
+        // Of currents that are over within a step their sum alone is seen.
+        chosen.retain(|k| kind.parameters()[*k].name != "fast_ratio");
         if chosen.is_empty() {
             continue;
         }
@@ -283,7 +282,9 @@ fn parameters_are_recovered_from_simulated_readings() {
             .unwrap_or_else(|error| panic!("{}: {error}", kind.name()));
         for (found, k) in fit.state.iter().zip(&chosen) {
             let expected = truth.parameters[*k];
-            assert!((found / expected - 1.0).abs() < 1e-7, "{}: {found} for {expected}", kind.name());
+            // A second lag is told from the first by the little that is left between them.
+            let most = if kind.parameters()[*k].name == "second_lag_ratio" { 1e-6 } else { 1e-7 };
+            assert!((found / expected - 1.0).abs() < most, "{}: {found} for {expected}", kind.name());
         }
     }
 }

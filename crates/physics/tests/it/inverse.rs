@@ -47,6 +47,14 @@ fn lags_longer_than_a_step_are_taken_out() {
         println!("lag of {lag_s} steps: {off:.1e} nT, {lost} rows not found");
         assert!(off < 1e-6 && lost == 0, "{lag_s}: {off} {lost}");
     }
+    // Two lags, the second 0.4 times the first: all rows up to a third of a step; of longer ones some rows are not found,
+    // and none is claimed wrongly.
+    for lag_s in [0.01, 0.3, 1.0, 3.0] {
+        let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[lag_s, 0.4])]);
+        let lost = rows.iter().filter(|row| **row != Row::Found).count();
+        println!("two lags of {lag_s} steps: {off:.1e} nT, {lost} rows not found");
+        assert!(off < 1e-6 && (lost == 0) == (lag_s < 0.5) && lost < 100, "{lag_s}: {off} {lost}");
+    }
     // What a lag of very many steps leaves of a change from row to row cannot be told from rounding; no row
     // is claimed wrongly.
     let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[100.0, 0.0])]);

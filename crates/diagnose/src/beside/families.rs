@@ -1,0 +1,59 @@
+//! The kinds of physics among the causes of a difference.
+
+use common::{ExplainedEffect, ExplainedFamily, FamilyMember};
+use explain::{Cause, Form};
+use physics::{Family, Kind};
+use std::collections::BTreeSet;
+
+use super::{Compared, effects};
+use crate::families::LEAST;
+
+/// The families of the effects that were found, the one that explains most first: how probable each is, and its
+/// members in the sets that were weighed. Clocks and steps were found apart and stand as they are.
+pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<ExplainedFamily> {
+    let explained = &compared.explained;
+    let causes: BTreeSet<Cause> = explained.rivals.iter().flat_map(|set| set.causes.clone()).collect();
+    let kind = |cause: Cause| {
+        let named = explained.causes.iter().find(|one| one.cause == cause);
+        effects::kind(compared, cause, named.map_or(Form::default(), |one| one.form))
+    };
+    let weight = |any_of: &[Cause]| -> f64 {
+        let sets = explained.rivals.iter().filter(|set| set.causes.iter().any(|one| any_of.contains(one)));
+        sets.map(|set| set.probability).sum::<f64>().min(1.0)
+    };
+    let of = |family: Family| {
+        let is_of = |kind: Kind| kind.about().family == family;
+        let own: Vec<&ExplainedEffect> =
+            found.iter().filter(|effect| Kind::named(&effect.effect).is_some_and(is_of)).collect();
+        if own.is_empty() {
+            return None;
+        }
+        let weighed: Vec<Cause> = causes.iter().copied().filter(|cause| is_of(kind(*cause))).collect();
+        let apart = own.iter().filter(|effect| effect.share.is_none());
+        let mut members: Vec<FamilyMember> = apart
+            .map(|effect| FamilyMember {
+                effect: effect.effect.clone(),
+                probability: effect.probability.unwrap_or(1.0),
+            })
+            .collect();
+        let certain = members.iter().map(|member| member.probability).fold(0.0, f64::max);
+        members.extend(weighed.iter().map(|cause| FamilyMember {
+            effect: format!("{} {}", kind(*cause).name(), compared.name(*cause)),
+            probability: weight(&[*cause]),
+        }));
+        members.retain(|member| member.probability >= LEAST);
+        members.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        Some(ExplainedFamily {
+            family: family.word().into(),
+            title: family.title().into(),
+            probability: weight(&weighed).max(certain),
+            share: own.iter().filter_map(|effect| effect.share).sum::<f64>().min(1.0),
+            members,
+            told_apart_by: family.told_apart_by().into(),
+            ..ExplainedFamily::default()
+        })
+    };
+    let mut all: Vec<ExplainedFamily> = Family::ALL.into_iter().filter_map(of).collect();
+    all.sort_by(|a, b| b.share.total_cmp(&a.share));
+    all
+}
