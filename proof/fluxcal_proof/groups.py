@@ -18,7 +18,7 @@ DEVELOP = {
     ("quadratic_nonlinearity", "square"), ("cubic_nonlinearity", "cube"), ("cross_field", "squares and products"),
     ("cross_field_sensitivity", "product"), ("saturation", "soft end"), ("hysteresis", "play"),
     ("hysteresis", "Preisach"), ("hysteresis", "Bouc and Wen"), ("perming", "one threshold"),
-    ("nulling_leakage", "slow and fast part"), ("nulling_leakage", "loop of two poles"), ("coil_gradient", "five components"),
+    ("nulling_leakage", "slow and fast part"), ("nulling_leakage", "loop of two poles"), ("nulling_leakage", "loop with a dead time"), ("coil_gradient", "five components"),
     ("mains", "load differs by recording"), ("reaction_wheel", "magnet on a rotor"),
     ("ageing", "straight"), ("sensitivity_ageing", "straight"), ("warm_up", "two bodies"), ("reading_step", "knock"),
     ("spike", "bit errors"), ("vehicle_pass", "dipole"), ("differential_nonlinearity", "one wrong bit"),

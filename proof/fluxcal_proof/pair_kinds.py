@@ -55,6 +55,13 @@ def column(name: str, late: Callable[[Pair, np.random.Generator], Response] | No
     return make
 
 
+def saturating(pair: Pair, rng: np.random.Generator) -> Effect:
+    """A field that grows less and less with a current."""
+    x = pair.columns["load_current_a"](pair.t)
+    share = np.abs(x) / np.median(np.abs(x[x != 0]))
+    return acts(np.sign(x) * share / (1 + share), rng, [("dependence", "load_current_a"), ("stray_current", "load_current_a")])
+
+
 def clock(rate: bool) -> Callable[[Pair, np.random.Generator], Effect]:
     """The test instrument's clock is late, or goes at another rate with a bend of its quartz."""
 
@@ -114,7 +121,8 @@ ALL = [PairKind(*row) for row in [
     ("dependence", "temperature behind a wall", FAMILY, column("electronics_temperature_c", wall), "Carslaw and Jaeger 1959, 3.4", False),
     ("dependence", "pressure beside a pair", FAMILY, column("room_pressure_pa"), "a case that bends in proportion", False),
     ("dependence", "power of a panel", FAMILY, column("panel_power_w"), "a current at constant voltage", False),
-    ("dependence", "power of a panel, its root", FAMILY, column("panel_power_w", None, 0.7), "a current through a resistance", False),
+    ("dependence", "power of a panel, its root", FAMILY, column("panel_power_w", None, 0.7), "a current through a resistance", True),
+    ("stray_current", "load through a core that saturates", FAMILY, saturating, "a choke beside the sensor: Froelich's curve x/(1 + x)", False),
     ("dependence", "humidity, late beside a pair", FAMILY, column("humidity_percent", body(0.01, 0.05)), "Fick's law in a thin case", False),
     ("clock_rate", "pair", "late_response", clock(True), "Vig 1992, Introduction to Quartz Frequency Standards", False),
     ("reading_step", "pair, there and back", "time", of_time(there_and_back, "reading_step"), "a tool left on the pillar", False),

@@ -128,7 +128,8 @@ pub struct CoilCalibration {
     pub extra: Extra,
 }
 
-/// Temperatures at which the constants hold; absent ones are the mean of the recordings.
+/// Temperatures at which the constants hold, and the field outside at which it is nulled; absent ones are the mean of
+/// the recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ReferenceConditions {
@@ -141,6 +142,15 @@ pub struct ReferenceConditions {
     /// Temperature of the coils, degC.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coil_temperature_c: Option<f64>,
+    /// Field of the station outside (`outside_x_nt`, ...) from which variations count, nT.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside_x_nt: Option<f64>,
+    /// The same along y.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside_y_nt: Option<f64>,
+    /// The same along z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outside_z_nt: Option<f64>,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

@@ -70,8 +70,7 @@ pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State
     let effects = gone.iter().filter(|one| matches!(one, Addition::Effect(_))).count();
     let to = (from.0 + effects, from.1 + gone.len() - effects);
     let mut state = state.clone();
-    state.effects.drain(from.0..to.0);
-    state.acts.drain(from.0..to.0);
+    state.keep_effects(|number| !(from.0..to.0).contains(&number));
     state.singles.drain(from.1..to.1);
     (state, to)
 }

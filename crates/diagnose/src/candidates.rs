@@ -293,6 +293,17 @@ pub fn fuller(effect: &EffectInstance) -> Option<EffectInstance> {
     Some(effect)
 }
 
+/// An effect as the simpler one that it is a fuller form of, with the parameters that both have.
+pub fn simpler(effect: &EffectInstance) -> Option<EffectInstance> {
+    let kind = effect.simpler()?;
+    let value = |info: &ParameterInfo| {
+        let place = effect.kind.parameters().iter().position(|own| own.name == info.name);
+        place.map_or(info.absent.unwrap_or_else(|| info.middle()), |place| effect.parameters[place])
+    };
+    let parameters = kind.parameters().iter().map(value).collect();
+    Some(EffectInstance { kind, parameters, ..effect.clone() })
+}
+
 /// The columns of an effect at each of its shapes, and of its fuller form; None where it acts nowhere.
 fn make(
     model: &Model<'_>,

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use crate::additions::{at_shapes, columns_of, with_additions, without};
 use crate::algebra::square;
 use crate::atoms::{self, Atoms, Sizes};
-use crate::candidates::fuller;
+use crate::candidates::{fuller, simpler};
 use crate::decide::SURE;
 use crate::events;
 use crate::fit::{Fit, Fitter, settled};
@@ -109,9 +109,11 @@ pub fn search(
         let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
         sharper |= follow(&mut events, &additions, &fit.state.effects[from..]);
         if round <= REFITS {
-            // What was fitted, each effect in turn in a fuller form, and rivals whose shapes were not fitted yet.
+            // What was fitted, each effect in turn in another form, and rivals whose shapes were not fitted yet.
             let mut known = shaped(&additions);
-            let mut others = in_fuller_form(&additions, &fit.state.effects[from..]);
+            let now = as_fitted(&additions, &fit.state.effects[from..]);
+            let mut others = in_other_forms(&now);
+            let forms = others.len();
             for rival in &answer.rivals {
                 let own = shaped(rival);
                 if !own.is_subset(&known) {
@@ -119,11 +121,16 @@ pub fn search(
                 }
                 known.extend(own);
             }
-            for other in others {
+            let rows = fit.residual.len() as f64;
+            let variance = (cost / rows).max(1.0);
+            for (number, other) in others.iter().enumerate() {
                 // A rival that has no minimum is none; one that is far behind is fitted no further.
-                let behind = Some(cost + BEHIND * (cost / fit.residual.len() as f64).max(1.0));
-                if let Ok(fit) = beside(model, &ground, &other, behind) {
-                    sharper |= moved(&fit.state.effects[from..], &mut shapes);
+                let Ok(fit) = beside(model, &ground, other, Some(cost + BEHIND * variance)) else { continue };
+                let fitted = &fit.state.effects[from..];
+                sharper |= moved(fitted, &mut shapes);
+                // A line whose frequency wanders, by Schwarz's criterion.
+                if number < forms && fit.cost < cost - rows.ln() * variance {
+                    sharper |= follow(&mut events, &now, fitted);
                 }
             }
         }
@@ -303,21 +310,30 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// Additions with the effects as they were fitted, one of them in a fuller form.
-fn in_fuller_form(additions: &[Addition], fitted: &[EffectInstance]) -> Vec<Vec<Addition>> {
+/// Additions with the effects as they were fitted.
+fn as_fitted(additions: &[Addition], fitted: &[EffectInstance]) -> Vec<Addition> {
     let mut effects = fitted.iter();
-    let as_fitted = |addition: &Addition| match addition {
+    let now = |addition: &Addition| match addition {
         Addition::Effect(effect) => Addition::Effect(effects.next().unwrap_or(effect).clone()),
         single => single.clone(),
     };
-    let as_fitted: Vec<Addition> = additions.iter().map(as_fitted).collect();
+    additions.iter().map(now).collect()
+}
+
+/// Additions with one of their effects in a fuller form or as the simpler effect.
+fn in_other_forms(additions: &[Addition]) -> Vec<Vec<Addition>> {
     let with = |(number, addition): (usize, &Addition)| {
-        let Addition::Effect(effect) = addition else { return None };
-        let mut all = as_fitted.clone();
-        all[number] = Addition::Effect(fuller(effect)?);
-        Some(all)
+        let forms = match addition {
+            Addition::Effect(effect) => [fuller(effect), simpler(effect).filter(has_shape)],
+            Addition::Single(_) => [None, None],
+        };
+        forms.into_iter().flatten().map(move |form| {
+            let mut all = additions.to_vec();
+            all[number] = Addition::Effect(form);
+            all
+        })
     };
-    as_fitted.iter().enumerate().filter_map(with).collect()
+    additions.iter().enumerate().flat_map(with).collect()
 }
 
 /// The shapes of an effect that can be fitted.
@@ -348,9 +364,9 @@ pub fn beside(
     additions: &[Addition],
     reach: Option<f64>,
 ) -> Result<Fit, Error> {
-    let state = &with_additions(model, &ground.fit.state, additions);
-    let fitter = Fitter { model, noise: &ground.noise };
     let from = ground.fit.state.effects.len();
+    let state = &model.with_past(with_additions(model, &ground.fit.state, additions), from)?;
+    let fitter = Fitter { model, noise: &ground.noise };
     let hides = (state.effects[from..].iter())
         .any(|effect| effect.kind.about().stage == Stage::Converter || !effect.kind.invertible());
     let mut fit =

@@ -162,10 +162,7 @@ fn isolated(mut all: Vec<Best>, strongest: Best) -> Vec<Best> {
 fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> {
     let mut found = vec![false; fitter.model.observed.rows];
     let mut without = fit.state.clone();
-    let spike: Vec<bool> = without.effects.iter().map(|effect| effect.kind == Kind::Spike).collect();
-    let (mut of_effects, mut of_acts) = (spike.iter(), spike.iter());
-    without.effects.retain(|_| of_effects.next() == Some(&true));
-    without.acts.retain(|_| of_acts.next() == Some(&true));
+    without.keep_effects(|number| fit.state.effects[number].kind == Kind::Spike);
     if without.effects.len() == fit.state.effects.len() {
         return Ok(found);
     }

@@ -159,6 +159,7 @@ mod tests {
                 effects: Vec::new(),
                 acts: Vec::new(),
                 singles: Vec::new(),
+                past: Vec::new(),
             },
             residual: vec![0.0; rows],
             white: vec![0.0; rows],

@@ -106,7 +106,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
             name,
             addition: Addition::Effect(EffectInstance {
                 recording: recording.cloned(),
-                ..EffectInstance::new(kind, None, [vec![0.0; 6], vec![f]].concat())
+                ..EffectInstance::new(kind, None, [vec![0.0; 6], vec![f, 0.0]].concat())
             }),
             p,
             gain,

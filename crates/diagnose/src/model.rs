@@ -1,10 +1,11 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 //!
 //! `unknown` says what may be unknown, `known` what is known of it beforehand, `state` where a fit stands,
-//! `prediction` and `derivatives` what readings are there, `step` where a step leads.
+//! `prediction` and `derivatives` what readings are there, `past` what of them is older, `step` where a step leads.
 
 mod derivatives;
 mod known;
+mod past;
 mod prediction;
 mod state;
 mod step;
@@ -33,6 +34,7 @@ impl<'a> Model<'a> {
             effects: Vec::new(),
             acts: Vec::new(),
             singles: Vec::new(),
+            past: Vec::new(),
         };
         for effect in effects {
             state = model.with(&state, effect);
@@ -52,6 +54,7 @@ impl<'a> Model<'a> {
                 model.priors[k].get_or_insert(OFFSET_NT);
             }
         }
+        let state = model.with_past(state, 0)?;
         Ok((model, state))
     }
 

@@ -2,7 +2,8 @@
 //! number of columns alone.
 
 use estimate::screen::{Column, Screen};
-use faer::Mat;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::{Accum, Col, Mat, Par};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -15,6 +16,8 @@ use crate::whitening::NoiseModel;
 
 /// Rows whose products are taken at once.
 const BLOCK: usize = 4096;
+/// Columns that are projected at once.
+const COLUMNS: usize = 128;
 
 /// Whitened columns with their products.
 #[derive(Clone, Debug)]
@@ -80,11 +83,26 @@ impl Products {
         let all: Vec<usize> = (0..self.columns.len()).filter(there).collect();
         let new: Vec<usize> = all.iter().copied().filter(|column| *column >= from).collect();
         let mut products = Mat::zeros(all.len(), new.len());
+        let old = all.len() - new.len();
         if !new.is_empty() {
             by_blocks(self.ranges[channel].len(), &mut products, |block| {
                 let whole = self.block(channel, &all, block);
-                let right = whole.subcols(all.len() - new.len(), new.len());
-                whole.transpose() * right
+                let (before, right) = whole.split_at_col(old);
+                let mut products = Mat::zeros(all.len(), new.len());
+                products.subrows_mut(0, old).copy_from(before.transpose() * right);
+                // Of the new with each other those up to the diagonal.
+                triangular::matmul(
+                    products.subrows_mut(old, new.len()),
+                    BlockStructure::TriangularUpper,
+                    Accum::Replace,
+                    right.transpose(),
+                    BlockStructure::Rectangular,
+                    right,
+                    BlockStructure::Rectangular,
+                    1.0,
+                    Par::Seq,
+                );
+                products
             });
         }
         (all, new, products)
@@ -184,19 +202,27 @@ impl Projection {
         let from = screen.columns();
         self.columns.extend(products.along(&self.onto, from));
         let rank = self.onto.ncols() - 1;
-        let within = |a: &[f64], b: &[f64]| -> f64 { a[..rank].iter().zip(b).map(|(a, b)| a * b).sum() };
-        let made: Vec<Column> = (from..products.len())
+        let all = Mat::from_fn(rank, products.len(), |j, i| self.columns[i][j]);
+        let residual = Col::from_fn(rank, |j| self.residual[j]);
+        let made: Vec<Vec<Column>> = (from..products.len())
             .into_par_iter()
-            .map(|i| {
-                let own = &self.columns[i];
-                let gram = products.gram[i].iter().zip(&self.columns);
-                Column {
-                    left: gram.map(|(whole, other)| whole - within(own, other)).collect(),
-                    along: own[rank] - within(own, &self.residual),
-                    whole: products.gram[i][i],
-                }
+            .step_by(COLUMNS)
+            .map(|at| {
+                let count = COLUMNS.min(products.len() - at);
+                let own = all.subcols(at, count);
+                let within = all.subcols(0, at + count).transpose() * own;
+                let along = own.transpose() * &residual;
+                let column = |k: usize| {
+                    let gram = &products.gram[at + k];
+                    Column {
+                        left: gram.iter().zip(within.col_as_slice(k)).map(|(whole, of)| whole - of).collect(),
+                        along: self.columns[at + k][rank] - along[k],
+                        whole: gram[at + k],
+                    }
+                };
+                (0..count).map(column).collect()
             })
             .collect();
-        made.into_iter().for_each(|column| screen.push(column));
+        made.into_iter().flatten().for_each(|column| screen.push(column));
     }
 }

@@ -19,6 +19,8 @@ const NAMES: usize = 8;
 const STRUCTURES: usize = 3;
 /// What lowers the log evidence by more is not tried with its form.
 const IDLE: f64 = 2.0;
+/// What is likelier by less than this beside another adds nothing to the sum of both.
+const NOTHING: f64 = 40.0;
 /// A finite effect's column must have a coefficient between these: it is what the effect does at a shape, and
 /// shapes are this far apart. At the ends of its grid it may be smaller: an effect of a smaller one.
 const ABOUT_ONE: [f64; 2] = [0.3, 3.0];
@@ -201,7 +203,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     fn alone(&self, given: &Given<'_>, number: usize, least: f64) -> Option<(f64, Member, Vec<f64>)> {
         let atom = &self.atoms.all[number];
         let (_, widest) = atom.sizes.last()?;
-        let mut shapes: Vec<(usize, Block)> = Vec::new();
+        let mut shapes: Vec<(usize, f64, Block)> = Vec::new();
         let mut most = f64::NEG_INFINITY;
         for (shape, of) in atom.shapes.iter().enumerate() {
             let visible = |column: &usize| self.screen.visible(*column) >= VISIBLE;
@@ -210,9 +212,9 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             }
             let block = given.block(&of.columns);
             let Some(further) = block.further(&widest[..of.columns.len()]) else { continue };
-            most =
-                most.max(given.log_evidence(&self.rest, Some(Further { log_determinant: 0.0, ..further })));
-            shapes.push((shape, block));
+            let bound = given.log_evidence(&self.rest, Some(Further { log_determinant: 0.0, ..further }));
+            most = most.max(bound);
+            shapes.push((shape, bound, block));
         }
         let whole: f64 = atom.sizes.iter().map(|(log_size, _)| log_size.exp()).sum();
         if most + atom.log_prior + whole.ln() <= least {
@@ -220,7 +222,12 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         }
         let mut best: Option<(f64, Member, Vec<f64>)> = None;
         let mut logs = Vec::new();
-        for (shape, block) in shapes {
+        shapes.sort_by(|a, b| b.1.total_cmp(&a.1));
+        for (shape, bound, block) in shapes {
+            // What cannot add to the sum is not weighed at all sizes.
+            if best.as_ref().is_some_and(|(most, ..)| bound + atom.log_prior < most - NOTHING) {
+                continue;
+            }
             for (log_size, deviations) in &atom.sizes {
                 let deviations = &deviations[..atom.shapes[shape].columns.len()];
                 let Some(further) = block.further(deviations) else { continue };
@@ -429,6 +436,9 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         };
         for (number, (atom, terms)) in own.iter().enumerate().filter(|(_, (atom, _))| atom.is_named()) {
             for (other, theirs) in own.iter().skip(number + 1).chain(&own[..number]) {
+                if atom.is_fuller(other) {
+                    return None;
+                }
                 let same = atom.sensor().is_some() && atom.sensor() == other.sensor();
                 if !same {
                     continue;
@@ -438,9 +448,6 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                         return None;
                     }
                     continue;
-                }
-                if atom.is_fuller(other) {
-                    return None;
                 }
                 let (alone, both) = (of(terms) + of(theirs), of(&[&terms[..], &theirs[..]].concat()));
                 if both < CANCEL * alone {

@@ -104,5 +104,6 @@ fn unknowns(model: &Model<'_>, state: &State) -> Vec<f64> {
         if effect.kind.parameters()[parameter].role == Role::Shape { value.ln() } else { value }
     });
     let of_singles = state.singles.iter().map(|single| single.height_nt);
-    state.base.iter().copied().chain(of_effects).chain(of_singles).collect()
+    let of_past = state.past.iter().map(|past| past.height_nt);
+    state.base.iter().copied().chain(of_effects).chain(of_singles).chain(of_past).collect()
 }

@@ -153,7 +153,8 @@ pub fn followed(fit: &DifferentialFit) -> Vec<(String, String)> {
                     format!(", logged {} {when}", counted(rows.unsigned_abs() as usize, "row"))
                 }
             };
-            format!("{axis} by {:+} nT/{}{lag}{rows}", one.nt_per_unit, unit::in_words(name))
+            let power = one.exponent.map_or(String::new(), |exponent| format!("^{exponent:.2}"));
+            format!("{axis} by {:+} nT/{}{power}{lag}{rows}", one.nt_per_unit, unit::in_words(name))
         };
         let axes: Vec<String> = all().filter(|(_, one)| one.column == name).map(one).collect();
         (name.to_string(), format!("the difference follows `{name}`: {}", axes.join("; ")))

@@ -14,6 +14,15 @@ const ROWS: i32 = 3;
 const HELD: f64 = 0.5;
 /// A column of fewer values than this cannot be bent.
 const BENT: usize = 4;
+/// The fast part of what is late relaxes so many times as fast.
+const FASTER: f64 = 8.0;
+/// Every so many relaxations of the grid are tried with it.
+const SPARSE: usize = 4;
+/// Powers of a column from zero on, as of a current that is known by its power, and of time, as of creep; with its
+/// square a column is bent.
+const POWERS: [f64; 5] = [0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5];
+/// The least of such a column is this share of its largest at most: any power of another is nearly straight.
+const FROM_ZERO: f64 = 0.5;
 
 /// How a cause enters.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -25,6 +34,10 @@ pub struct Form {
     pub rows: i32,
     /// With its square; of a clock: with a rate.
     pub bent: bool,
+    /// The exponent of the column, or of time, where that is not one.
+    pub power: Option<f64>,
+    /// With a part that relaxes faster, as of heat that diffuses through a wall.
+    pub fast: bool,
     /// Of a column that mostly stays as it was: on lines between its samples, where else it holds each until the
     /// next.
     pub lines: bool,
@@ -43,16 +56,21 @@ impl Form {
         let late = |late_s: f64| Self { late_s, ..plain };
         match cause {
             Cause::Clock => vec![plain, Self { bent: true, ..plain }],
-            Cause::Time => [plain].into_iter().chain(lates().map(late)).collect(),
+            Cause::Time => {
+                let powers = POWERS.into_iter().map(|power| Self { power: Some(power), ..plain });
+                [plain].into_iter().chain(powers).chain(lates().map(late)).collect()
+            }
             Cause::Covariate(number) => {
-                let bent = problem.covariates[number].bends().then_some(Self { bent: true, ..plain });
+                let covariate = &problem.covariates[number];
+                let bent = covariate.bends().then_some(Self { bent: true, ..plain });
+                let powers = POWERS.into_iter().filter(|_| covariate.bends() && covariate.is_from_zero());
+                let powers = powers.map(|power| Self { power: Some(power), ..plain });
                 let rows = (1..=ROWS).flat_map(|rows| [rows, -rows]).map(|rows| Self { rows, ..plain });
-                let lined = lates().filter(|_| problem.covariates[number].holds()).map(|late_s| Self {
-                    late_s,
-                    lines: true,
-                    ..plain
-                });
-                [plain].into_iter().chain(bent).chain(rows).chain(lates().map(late)).chain(lined).collect()
+                let lined =
+                    lates().filter(|_| covariate.holds()).map(|late_s| Self { late_s, lines: true, ..plain });
+                let through = lates().step_by(SPARSE).map(|late_s| Self { late_s, fast: true, ..plain });
+                let curved = bent.into_iter().chain(powers).chain(through);
+                [plain].into_iter().chain(curved).chain(rows).chain(lates().map(late)).chain(lined).collect()
             }
         }
     }
@@ -64,15 +82,24 @@ impl Form {
 
     /// The same, and the mean of the first.
     pub fn about(&self, covariate: &Covariate, at_s: &[f64]) -> (Vec<Vec<f64>>, f64) {
-        let values = covariate.shifted(self.rows);
+        let mut values = covariate.shifted(self.rows);
+        if let Some(power) = self.power {
+            values.iter_mut().for_each(|value| *value = value.abs().powf(power).copysign(*value));
+        }
         let held = covariate.holds() && !self.lines;
-        let values =
-            if self.late_s > 0.0 { relaxed(&covariate.time_s, &values, self.late_s, held) } else { values };
-        let values = sampled(&covariate.time_s, &values, at_s, held);
-        let mean = estimate::stats::mean(&values);
-        let straight = centred(values);
+        let late = |late_s: f64| {
+            sampled(&covariate.time_s, &relaxed(&covariate.time_s, &values, late_s, held), at_s, held)
+        };
+        let own = if self.late_s > 0.0 {
+            late(self.late_s)
+        } else {
+            sampled(&covariate.time_s, &values, at_s, held)
+        };
+        let mean = estimate::stats::mean(&own);
+        let straight = centred(own);
         let square = self.bent.then(|| centred(straight.iter().map(|x| x * x).collect()));
-        ([straight].into_iter().chain(square).collect(), mean)
+        let fast = self.fast.then(|| centred(late(self.late_s / FASTER)));
+        ([straight].into_iter().chain(square).chain(fast).collect(), mean)
     }
 
     /// The same with another relaxation.
@@ -80,10 +107,14 @@ impl Form {
         Self { late_s, ..*self }
     }
 
-    /// Time, or an exponential that dies out.
+    /// Time, a power of it, or an exponential that dies out.
     pub fn of_time(&self, at_s: &[f64]) -> Vec<Vec<f64>> {
         let first = at_s.first().copied().unwrap_or(0.0);
-        let of = |t: &f64| if self.late_s > 0.0 { (-(t - first) / self.late_s).exp() } else { t - first };
+        let of = |t: &f64| match self.power {
+            Some(power) => (t - first).powf(power),
+            None if self.late_s > 0.0 => (-(t - first) / self.late_s).exp(),
+            None => t - first,
+        };
         vec![centred(at_s.iter().map(of).collect())]
     }
 
@@ -101,6 +132,15 @@ impl Form {
             .map(|power: f64| Self { late_s: self.late_s * by.powf(power), ..*self })
             .to_vec()
     }
+
+    /// What is late in this form and in those beside it: on lines or not, with a fast part that is as fast as this or
+    /// faster, and without one.
+    pub fn beside(self) -> Vec<Self> {
+        let fast =
+            [1.0, FASTER.sqrt(), FASTER].map(|times| Self { fast: true, ..self.late(times * self.late_s) });
+        let all = [self, Self { lines: !self.lines, ..self }, Self { fast: false, ..self }];
+        all.into_iter().chain(fast).collect()
+    }
 }
 
 impl Covariate {
@@ -115,6 +155,15 @@ impl Covariate {
         values.sort_by(f64::total_cmp);
         values.dedup();
         values.len() >= BENT
+    }
+
+    /// Whether it has one sign, and comes near zero.
+    fn is_from_zero(&self) -> bool {
+        let (low, high) =
+            self.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+                (low.min(*value), high.max(*value))
+            });
+        low * high >= 0.0 && low.abs().min(high.abs()) <= FROM_ZERO * low.abs().max(high.abs())
     }
 
     /// Its samples moved by whole ones; the ends are held.
@@ -207,6 +256,8 @@ mod tests {
         assert_eq!(sampled(&time, &values, &[1.9, 2.0], true), [1.0, 5.0]);
         assert_eq!(covariate(&[1.0, 2.0, 3.0]).shifted(1), [2.0, 3.0, 3.0]);
         assert_eq!(covariate(&[1.0, 2.0, 3.0]).shifted(-1), [1.0, 1.0, 2.0]);
+        let root = Form { power: Some(0.5), ..Form::default() };
+        assert_eq!(root.of(&covariate(&[0.0, 4.0, 16.0]), &[0.0, 1.0, 2.0]), [[-2.0, 0.0, 2.0]]);
         assert!(covariate(&[0.0, 0.0, 0.0, 1.0, 1.0]).holds() && !covariate(&[0.0, 0.1, 0.2]).holds());
     }
 }

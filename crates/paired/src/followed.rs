@@ -17,7 +17,7 @@ pub struct Follows {
     form: Form,
     /// Probability of such a gain by chance.
     p: f64,
-    /// The column in its form less its mean, with its square where it is bent; where there is a lag, its
+    /// The column in its form less its mean, with its square where it is bent or its fast part; where there is a lag, its
     /// derivative with respect to ln τ besides.
     pub columns: Vec<Vec<f64>>,
     /// The mean of the column in its form.
@@ -65,11 +65,10 @@ impl Follows {
     /// As a document has it, by what is left of the coefficients of its columns.
     pub fn document(&self, axis: usize, left: &[Quantity]) -> Followed {
         let nt_per_unit = self.size(axis, &left[0]);
-        let square = self
-            .form
-            .bent
-            .then(|| Quantity::new(self.taken[axis][1] + left[1].value(), left[1].std().unwrap_or(0.0)));
-        let lag_s = left.get(1 + usize::from(self.form.bent)).map(|slope| {
+        let second = |has: bool| {
+            has.then(|| Quantity::new(self.taken[axis][1] + left[1].value(), left[1].std().unwrap_or(0.0)))
+        };
+        let lag_s = left.get(self.taken[axis].len()).map(|slope| {
             let relative = slope.std().unwrap_or(0.0) / nt_per_unit.value().abs();
             Quantity::new(self.form.late_s, self.form.late_s * relative)
         });
@@ -77,7 +76,9 @@ impl Follows {
             column: self.name.clone(),
             lag_s,
             late_rows: self.form.rows,
-            nt_per_unit2: square,
+            nt_per_unit2: second(self.form.bent),
+            fast_nt_per_unit: second(self.form.fast),
+            exponent: self.form.power,
             nt_per_unit,
             at: self.at,
             p: self.p,

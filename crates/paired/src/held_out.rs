@@ -4,7 +4,7 @@ use common::PlainRegression;
 use common::number::duration;
 use explain::{Cause, Explained, Form};
 
-/// How late a form is, in words.
+/// How late a form is, and which power of the column it has, in words.
 pub fn lateness(form: &Form) -> String {
     let late =
         if form.late_s > 0.0 { format!(" with a lag of {}", duration(form.late_s)) } else { String::new() };
@@ -15,7 +15,8 @@ pub fn lateness(form: &Form) -> String {
         rows if rows > 0 => format!(", logged {rows} rows late"),
         rows => format!(", logged {} rows early", -rows),
     };
-    format!("{late}{rows}")
+    let power = form.power.map_or(String::new(), |power| format!(" to the power {power:.2}"));
+    format!("{power}{late}{rows}")
 }
 
 /// The plain regressions beside an explanation; `name` has the name of a cause.

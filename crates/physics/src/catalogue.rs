@@ -81,6 +81,7 @@ catalogue![
     HardIron,
     SoftIron,
     NullingLeakage,
+    NullingLeakageAcross,
     CoilGradient,
     OffCentre,
     Mains,
@@ -154,6 +155,11 @@ impl Kind {
     /// The thermometers it follows; it is relative to the reference temperature of each.
     pub fn follows(self) -> impl Iterator<Item = Thermometer> {
         Thermometer::ALL.into_iter().filter(move |which| self.about().needs.contains(&which.column()))
+    }
+
+    /// Whether it follows the field outside.
+    pub fn follows_outside(self) -> bool {
+        self.about().needs.iter().any(|need| need.starts_with("outside_"))
     }
 
     /// Its parameters.

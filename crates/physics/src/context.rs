@@ -64,8 +64,8 @@ impl Thermometer {
     }
 }
 
-/// What a whole document has in common: the temperatures at which the constants hold, degC, and its zero of
-/// time.
+/// What a whole document has in common: the temperatures at which the constants hold, degC, the field outside from which
+/// its variations count, and its zero of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct References {
     /// Of the sensors.
@@ -74,6 +74,8 @@ pub struct References {
     pub electronics_c: Option<f64>,
     /// Of the coils.
     pub coil_c: Option<f64>,
+    /// Of the station outside, GEO, nT.
+    pub outside_nt: [Option<f64>; 3],
     /// The campaign's beginning: the earliest `start` of the document, seconds since 1970.
     pub beginning_s: Option<f64>,
 }
@@ -86,6 +88,7 @@ impl References {
             sensor_c: stated.and_then(|stated| stated.sensor_temperature_c),
             electronics_c: stated.and_then(|stated| stated.electronics_temperature_c),
             coil_c: stated.and_then(|stated| stated.coil_temperature_c),
+            outside_nt: stated.map_or([None; 3], |s| [s.outside_x_nt, s.outside_y_nt, s.outside_z_nt]),
             beginning_s: beginning(document),
         }
     }
@@ -94,20 +97,21 @@ impl References {
     /// hold there. It writes them down then ([`crate::state_references`]).
     pub fn of(document: &Document) -> Self {
         let stated = Self::stated(document);
-        let mean = |which: Thermometer| {
+        let mean = |name: &str| {
             let (mut sum, mut count) = (0.0, 0.0);
-            let columns =
-                document.recordings.iter().filter_map(|recording| series(recording, which.column()));
-            for column in columns {
-                let known = column.iter().filter(|t| t.is_finite());
-                (sum, count) = known.fold((sum, count), |(s, n), t| (s + t, n + 1.0));
+            for column in document.recordings.iter().filter_map(|recording| series(recording, name)) {
+                let known = column.iter().filter(|value| value.is_finite());
+                (sum, count) = known.fold((sum, count), |(s, n), value| (s + value, n + 1.0));
             }
             (count > 0.0).then(|| sum / count)
         };
+        let temperature = |which: Thermometer| mean(which.column());
+        let outside = |axis: Axis| mean(&format!("outside_{axis}_nt"));
         Self {
-            sensor_c: stated.sensor_c.or_else(|| mean(Thermometer::Sensor)),
-            electronics_c: stated.electronics_c.or_else(|| mean(Thermometer::Electronics)),
-            coil_c: stated.coil_c.or_else(|| mean(Thermometer::Coil)),
+            sensor_c: stated.sensor_c.or_else(|| temperature(Thermometer::Sensor)),
+            electronics_c: stated.electronics_c.or_else(|| temperature(Thermometer::Electronics)),
+            coil_c: stated.coil_c.or_else(|| temperature(Thermometer::Coil)),
+            outside_nt: Axis::ALL.map(|axis| stated.outside_nt[axis.index()].or_else(|| outside(axis))),
             ..stated
         }
     }

@@ -74,6 +74,7 @@ impl EffectInstance {
             Kind::AxisCreep => Some(Kind::AxisTemperature),
             Kind::OffsetElectronicsTemperatureLag => Some(Kind::OffsetElectronicsTemperature),
             Kind::SensitivityElectronicsTemperatureLag => Some(Kind::SensitivityElectronicsTemperature),
+            Kind::NullingLeakageAcross => Some(Kind::NullingLeakage),
             Kind::SunThermoelectricHarmonics => Some(Kind::SunThermoelectric),
             Kind::Dependence if is_current() => Some(Kind::StrayCurrent),
             _ => None,
@@ -135,9 +136,8 @@ pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
 /// it does not state yet: what was found from recordings no longer depends on them then.
 pub fn state_references(document: &mut Document, references: &References) {
     let listed = document.model.iter().flat_map(|model| &model.effects);
-    let followed: Vec<Thermometer> =
-        listed.filter_map(|effect| Kind::named(&effect.effect)).flat_map(Kind::follows).collect();
-    for which in followed {
+    let listed: Vec<Kind> = listed.filter_map(|effect| Kind::named(&effect.effect)).collect();
+    for which in listed.iter().copied().flat_map(Kind::follows) {
         if let Some(temperature_c) = references.temperature_c(which) {
             let calibration = document.calibration.get_or_insert_default();
             let stated = calibration.reference_conditions.get_or_insert_default();
@@ -147,6 +147,14 @@ pub fn state_references(document: &mut Document, references: &References) {
                 Thermometer::Coil => &mut stated.coil_temperature_c,
             };
             place.get_or_insert(temperature_c);
+        }
+    }
+    if listed.into_iter().any(Kind::follows_outside) {
+        let calibration = document.calibration.get_or_insert_default();
+        let stated = calibration.reference_conditions.get_or_insert_default();
+        let places = [&mut stated.outside_x_nt, &mut stated.outside_y_nt, &mut stated.outside_z_nt];
+        for (place, field) in places.into_iter().zip(references.outside_nt) {
+            *place = place.or(field);
         }
     }
 }

@@ -125,7 +125,7 @@ impl World<'_> {
 
     /// The natural field, where the recording or an effect on it takes notice of it.
     fn natural(&self, set: &Recording, written: &Written) -> Result<Option<Vec<Vector3<f64>>>, NoiseError> {
-        let leaks = self.effects.iter().any(|effect| effect.kind == Kind::NullingLeakage);
+        let leaks = self.effects.iter().any(|effect| effect.kind.follows_outside());
         let wanted = written.outside || leaks || written.surroundings == Surroundings::Open;
         let outside = self.plan.truth.outside.as_ref().filter(|_| wanted);
         outside.zip(self.moments(set, written)).map(|(outside, moments)| outside.field(&moments)).transpose()

@@ -30,6 +30,13 @@ def two_pole_leak(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     return leakage(c, rng, response.poles([tau, 0.4 * tau]), float(rng.uniform(0.0, 0.2)))
 
 
+@kind("nulling_leakage_across", "coils turned against the loop's sensors", "outside_field", "a loop that feeds back along axes of its own: small rotations, Wertz 1978, 12.1")
+def turned_leak(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
+    matrix = 0.05 * np.diag(rng.uniform(0.3, 1, 3)) + 0.05 * np.cross(np.eye(3), rng.uniform(-1, 1, 3))
+    late = response.relaxation(c.step * rng.uniform(10, 60))
+    return in_geo(c, lambda run: matrix @ np.stack([x.through(late)(run.at) for x in run.outside]), [("nulling_leakage_across", "")])
+
+
 @kind("nulling_leakage", "loop with a dead time", "outside_field", "a servo that computes: Franklin, Powell and Emami-Naeini")
 def late_leak(c: Campaign, axis: int, rng: np.random.Generator) -> Effect:
     slow = response.relaxation(c.step * rng.uniform(5, 30)).then(response.late(c.step * rng.uniform(0.5, 2)))

@@ -23,6 +23,12 @@ pub struct Followed {
     /// c₂ of a further c₂ (x − x₀)², nT for each unit of the column squared; absent where it follows straight.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub nt_per_unit2: Option<Quantity>,
+    /// Of a part that relaxes eight times as fast, nT for each unit of the column; absent where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fast_nt_per_unit: Option<Quantity>,
+    /// The exponent of the column, x being that power of it; absent where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
     /// x₀, the mean of x over the recording: what is left of d there is in the offset.
     pub at: f64,
     /// One over the odds of the readings with the column and without it, as far as these are below one.

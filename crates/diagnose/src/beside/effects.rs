@@ -85,14 +85,18 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
     let names: Vec<String> = match (one.cause, column) {
         (Cause::Covariate(_), Some(column)) => {
             let unit = common::unit::of_change(column);
-            vec![format!("nt_per_{unit}"), format!("nt_per_{unit}_2")]
+            let second =
+                if one.form.fast { format!("fast_nt_per_{unit}") } else { format!("nt_per_{unit}_2") };
+            vec![format!("nt_per_{unit}"), second]
         }
         (Cause::Time, _) if one.form.late_s > 0.0 => vec!["amplitude_nt".into()],
         (Cause::Time, _) => vec!["nt_per_day".into()],
         _ => ["from_x", "from_y", "from_z"].map(|from| format!("{from}_ppm")).to_vec(),
     };
     let by = |quantity: &Quantity| match one.cause {
-        Cause::Time if one.form.late_s == 0.0 => times(quantity, 86_400.0),
+        Cause::Time if one.form.late_s == 0.0 => {
+            times(quantity, 86_400.0_f64.powf(one.form.power.unwrap_or(1.0)))
+        }
         _ => quantity.clone(),
     };
     for (channel, quantities) in one.channels.iter().enumerate() {
@@ -103,6 +107,9 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
     if let Some(late_s) = &one.late_s {
         let name = if one.cause == Cause::Time { "time_constant_s" } else { "lag_s" };
         all.insert(name.into(), late_s.clone());
+    }
+    if let Some(power) = one.form.power {
+        all.insert("exponent".into(), Quantity::Bare(power));
     }
     if one.form.rows != 0 {
         all.insert("late_rows".into(), Quantity::Bare(f64::from(one.form.rows)));
@@ -117,18 +124,34 @@ fn times(quantity: &Quantity, by: f64) -> Quantity {
     }
 }
 
-/// The clock's offset, and its rate.
+/// Uncertainties within which a clock was right at the beginning.
+const WITHIN: f64 = 2.0;
+
+/// The clock's offset, and its rate: a rate alone where it was right at the beginning.
 fn clock(compared: &Compared) -> Option<ExplainedEffect> {
     let clock = compared.clock.as_ref()?;
-    let kind = Kind::ClockOffset;
+    let half_s =
+        0.5 * compared.time_s.last().zip(compared.time_s.first()).map_or(0.0, |(last, first)| last - first);
+    let [offset_s, offset_std] = [clock.offset_s.value(), clock.offset_s.std().unwrap_or(0.0)];
+    let began_right = |rate: &&Quantity| {
+        let std = offset_std.hypot(half_s * rate.std().unwrap_or(0.0));
+        (offset_s - half_s * rate.value()).abs() < WITHIN * std
+    };
+    let only_rate = clock.rate.as_ref().filter(began_right).is_some();
+    let kind = if only_rate { Kind::ClockRate } else { Kind::ClockOffset };
     let mut parameters = IndexMap::from([("offset_s".to_string(), clock.offset_s.clone())]);
     if let Some(rate) = &clock.rate {
         parameters.insert("rate_ppm".into(), times(rate, 1e6));
     }
-    let late = if clock.offset_s.value() >= 0.0 { "late" } else { "early" };
+    let is = match (only_rate, offset_s >= 0.0) {
+        (false, true) => "is late",
+        (false, false) => "is early",
+        (true, true) => "gains",
+        (true, false) => "loses",
+    };
     Some(ExplainedEffect {
         effect: kind.name().into(),
-        title: format!("the clock of {} is {late}", compared.what),
+        title: format!("the clock of {} {is}", compared.what),
         physics: kind.about().physics.into(),
         equation: kind.about().equation.into(),
         source: kind.about().source.into(),

@@ -97,7 +97,7 @@ impl Model<'_> {
     }
 
     /// Derivatives of what is predicted by the unknowns behind those of the base model at a state: effects,
-    /// single readings. Shapes count by their logarithm, and not at all once they have come to a bound.
+    /// single readings, the past. Shapes count by their logarithm, and not at all once they have come to a bound.
     pub fn other_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
         let free = self.free(state);
         let parameters: Vec<Parameter> = free.iter().map(|(e, p)| Parameter::Effect(*e, *p)).collect();
@@ -112,6 +112,7 @@ impl Model<'_> {
             }
         }
         of_effects.extend(state.singles.iter().map(|single| self.one_at(single.row)));
+        of_effects.extend(state.past.iter().map(|past| self.past(state, past)));
         Ok(of_effects)
     }
 

@@ -141,6 +141,9 @@ impl<'a> Model<'a> {
         for single in &state.singles {
             residual[single.row] -= single.height_nt;
         }
+        for past in &state.past {
+            residual.iter_mut().zip(self.past(state, past)).for_each(|(r, c)| *r -= past.height_nt * c);
+        }
         Ok(residual)
     }
 

@@ -19,6 +19,22 @@ pub struct Single {
     pub height_nt: f64,
 }
 
+/// What an effect that follows the field outside kept, in one channel, of the time before the recording, which nobody
+/// recorded: it dies with the effect's time constant.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Past {
+    /// Number of the effect.
+    pub effect: usize,
+    /// Which of its relaxations.
+    pub relaxation: usize,
+    /// Number of the channel.
+    pub channel: usize,
+    /// Its size in the first row, nT.
+    pub height_nt: f64,
+    /// Standard deviation of that beforehand: what the effect does in the channel.
+    pub std_nt: f64,
+}
+
 /// Where a fit stands.
 #[derive(Clone, Debug)]
 pub struct State {
@@ -30,6 +46,22 @@ pub struct State {
     pub acts: Vec<Vec<bool>>,
     /// Single readings.
     pub singles: Vec<Single>,
+    /// What is left of the time before the recordings.
+    pub past: Vec<Past>,
+}
+
+impl State {
+    /// Keeps some of its effects, by their number, and what belongs to them.
+    pub fn keep_effects(&mut self, keeps: impl Fn(usize) -> bool) {
+        let kept: Vec<usize> = (0..self.effects.len()).filter(|number| keeps(*number)).collect();
+        self.effects = kept.iter().map(|number| self.effects[*number].clone()).collect();
+        self.acts = kept.iter().map(|number| self.acts[*number].clone()).collect();
+        let moved = |past: &Past| {
+            let effect = kept.iter().position(|number| *number == past.effect)?;
+            Some(Past { effect, ..past.clone() })
+        };
+        self.past = self.past.iter().filter_map(moved).collect();
+    }
 }
 
 /// The recordings with what is unknown of them.
@@ -94,7 +126,9 @@ impl Model<'_> {
     pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
         let base = self.priors.iter().zip(&state.base).enumerate();
         let base = base.filter_map(|(k, (prior, value))| prior.map(|std| (k, *value, std)));
-        base.chain(self.known_of_effects(state)).collect()
+        let past = self.unknowns.len() + self.free(state).len() + state.singles.len();
+        let past = state.past.iter().enumerate().map(|(k, one)| (past + k, one.height_nt, one.std_nt));
+        base.chain(self.known_of_effects(state)).chain(past).collect()
     }
 
     /// The same of effects. Of a series of harmonics recordings determine only sums, and of two short lags their sum;

@@ -51,6 +51,8 @@ impl Model<'_> {
         for (single, s) in next.singles.iter_mut().zip(&step[base + free.len()..]) {
             single.height_nt += s;
         }
+        let behind = base + free.len() + next.singles.len();
+        next.past.iter_mut().zip(&step[behind..]).for_each(|(past, s)| past.height_nt += s);
         next
     }
 

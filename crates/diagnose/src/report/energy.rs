@@ -30,7 +30,7 @@ pub(super) fn energy(
 ) -> Result<Vec<EnergyShare>, Error> {
     let observed = &model.observed;
     let mut without = outcome.fit.state.clone();
-    without.effects.truncate(outcome.base.state.effects.len());
+    without.keep_effects(|number| number < outcome.base.state.effects.len());
     without.singles.truncate(outcome.base.state.singles.len());
     let white = outcome.noise.whiten(observed, &model.residual(&without)?);
     let rest = &outcome.last.rest;

@@ -46,6 +46,23 @@ fn several_effects_are_all_named() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// What a leak kept of the time before a recording, which nobody recorded, is no other effect.
+#[test]
+fn a_recording_that_begins_in_the_midst_of_a_leak() {
+    let leak = json!({"effect": "nulling_leakage", "parameters": {"north_ppm": 30000.0, "east_ppm": 20000.0,
+        "down_ppm": 40000.0, "lag_s": 3000.0}});
+    let mut document = simulated(Scene::Site, &[leak], &noise(), 5);
+    for column in document.recordings[0].columns.values_mut() {
+        column.drain(..150);
+    }
+    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
+    let names: Vec<String> =
+        found.model.iter().flat_map(|m| &m.effects).map(|effect| target(&json!(effect))).collect();
+    assert_eq!(names, ["nulling_leakage"], "{}", diagnose::summary(&found));
+    let fit = found.diagnosis.as_ref().expect("a diagnosis")[0].fit.as_ref().expect("a fit");
+    assert!(fit.held_out_after_nt < 1.05 * fit.noise_floor_nt, "{}", diagnose::summary(&found));
+}
+
 /// What diagnose wrote agrees with the recording that it came from, and predicts a fresh one of the same
 /// instrument as well as the first was fitted.
 #[test]

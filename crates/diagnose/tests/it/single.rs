@@ -176,6 +176,20 @@ pub fn cases() -> Vec<(Scene, Value)> {
                 json!({"north_nt": 2.0, "east_nt": -1.0, "down_nt": 1.0, "slack_s": 1200.0}),
             ),
         ),
+        (
+            Scene::Site,
+            all(
+                "nulling_leakage_across",
+                json!({"north_ppm": 5000.0, "east_ppm": 3000.0, "down_ppm": 9000.0, "lag_s": 300.0,
+            "north_from_east_ppm": 20000.0, "north_from_down_ppm": -10000.0, "east_from_north_ppm": -20000.0,
+            "east_from_down_ppm": 15000.0, "down_from_north_ppm": 10000.0, "down_from_east_ppm": -15000.0}),
+            ),
+        ),
+        (Scene::Fast, {
+            let mut wanders = all("periodic_field", line(30.0));
+            wanders["parameters"]["end_ratio"] = json!(1.02);
+            wanders
+        }),
     ]
 }
 

@@ -1,8 +1,20 @@
 use super::prelude::*;
 use crate::memory::Signal;
+use common::Axis;
+use nalgebra::Matrix3;
 
-/// ΔB = g ∘ L + f ∘ (U − L) in GEO, (1 + τ d/dt)(1 + r τ d/dt) L = U, U the station's variation about its mean: g leaks
-/// of slow variations, f of fast ones, through a loop of one pole (r = 0) or of two.
+const SOURCE: &str = "NASA CR-156638, test of the Earth field nulling system";
+const NEEDS: &[&str] = &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"];
+const LAG: ParameterInfo = ParameterInfo::shape("lag_s", 0.01, 1000.0);
+const SECOND_LAG: ParameterInfo = ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero();
+
+const fn share(name: &'static str) -> ParameterInfo {
+    ParameterInfo::amplitude(name, 100.0, 200_000.0)
+}
+
+/// ΔB = g ∘ L + f ∘ (U − L) in GEO, (1 + τ d/dt)(1 + r τ d/dt) L = U, U the station's variation about the
+/// reference conditions (those not stated: about the mean of the recording): g leaks of slow variations, f of fast ones,
+/// through a loop of one pole (r = 0) or of two.
 pub struct NullingLeakage;
 
 impl Effect for NullingLeakage {
@@ -11,43 +23,102 @@ impl Effect for NullingLeakage {
         title: "natural variations leak through the nulling",
         physics: "The loop that cancels Earth's field senses it elsewhere and late, and a share of each variation is \
             left at the sensors.",
-        equation: "dB_geo = (g L + f (U - L)) 1e-6, (1 + tau d/dt)(1 + r tau d/dt) L = U = outside - its mean, per axis",
-        source: "NASA CR-156638, test of the Earth field nulling system",
+        equation: "dB_geo = (g L + f (U - L)) 1e-6, (1 + tau d/dt)(1 + r tau d/dt) L = U = outside - its reference, per axis",
+        source: SOURCE,
         family: Family::OutsideField,
         place: Place::Facility,
         stage: Stage::Geo,
         acts: Acts::Everything,
         parameters: &[
-            ParameterInfo::amplitude("north_ppm", 100.0, 200_000.0),
-            ParameterInfo::amplitude("east_ppm", 100.0, 200_000.0),
-            ParameterInfo::amplitude("down_ppm", 100.0, 200_000.0),
-            ParameterInfo::shape("lag_s", 0.01, 1000.0),
-            ParameterInfo::amplitude("fast_north_ppm", 100.0, 200_000.0).or_zero(),
-            ParameterInfo::amplitude("fast_east_ppm", 100.0, 200_000.0).or_zero(),
-            ParameterInfo::amplitude("fast_down_ppm", 100.0, 200_000.0).or_zero(),
-            ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero(),
+            share("north_ppm"),
+            share("east_ppm"),
+            share("down_ppm"),
+            LAG,
+            share("fast_north_ppm").or_zero(),
+            share("fast_east_ppm").or_zero(),
+            share("fast_down_ppm").or_zero(),
+            SECOND_LAG,
         ],
-        needs: &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"],
+        needs: NEEDS,
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let context = around.context;
-        let time = context.times(Self::ABOUT.name)?;
-        let mut found = false;
-        for axis in common::Axis::ALL {
-            let Some(outside) = context.recording.axis_column("outside", axis, "nt") else { continue };
-            found = true;
+        let slow = Matrix3::from_diagonal(&Vector3::new(parameters[0], parameters[1], parameters[2]));
+        leak(Self::ABOUT.name, slow, parameters, signal, around)
+    }
+}
+
+/// The same where the loop's sensors and its coils are not parallel: G is a full matrix, and a variation along one axis
+/// leaks into the others too.
+pub struct NullingLeakageAcross;
+
+impl Effect for NullingLeakageAcross {
+    const ABOUT: About = About {
+        name: "nulling_leakage_across",
+        title: "natural variations leak through the nulling, into other axes too",
+        physics: "Sensors and coils of the loop that cancels Earth's field are not parallel, and a variation along one \
+            axis is left along the others too.",
+        equation: "dB_geo = (G L + f (U - L)) 1e-6, L and U as for nulling_leakage, G a matrix",
+        source: SOURCE,
+        family: Family::OutsideField,
+        place: Place::Facility,
+        stage: Stage::Geo,
+        acts: Acts::Everything,
+        parameters: &[
+            share("north_ppm"),
+            share("east_ppm"),
+            share("down_ppm"),
+            LAG,
+            share("fast_north_ppm").or_zero(),
+            share("fast_east_ppm").or_zero(),
+            share("fast_down_ppm").or_zero(),
+            SECOND_LAG,
+            share("north_from_east_ppm"),
+            share("north_from_down_ppm"),
+            share("east_from_north_ppm"),
+            share("east_from_down_ppm"),
+            share("down_from_north_ppm"),
+            share("down_from_east_ppm"),
+        ],
+        needs: NEEDS,
+    };
+
+    fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
+        let p = parameters;
+        let slow = Matrix3::new(p[0], p[8], p[9], p[10], p[1], p[11], p[12], p[13], p[2]);
+        leak(Self::ABOUT.name, slow, parameters, signal, around)
+    }
+}
+
+/// Adds what leaks of the outside field; the parameters from the lag on are the same for both effects.
+fn leak<T: Real>(
+    name: &'static str,
+    of_slow: Matrix3<T>,
+    parameters: &[T],
+    signal: &mut [Vector3<T>],
+    around: &Surroundings<'_, T>,
+) -> Result {
+    let context = around.context;
+    let time = context.times(name)?;
+    let mut found = false;
+    for axis in Axis::ALL {
+        let Some(outside) = context.recording.axis_column("outside", axis, "nt") else { continue };
+        found = true;
+        let mean = || {
             let known = outside.iter().filter(|value| value.is_finite());
             let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-            let mean = if count > 0.0 { sum / count } else { 0.0 };
-            let variation: Vec<T> = outside.iter().map(|value| T::from(value - mean)).collect();
-            let slow = Signal::new(time, variation.clone()).lagged_twice(parameters[3], parameters[7]);
-            let [of_slow, of_fast] = [parameters[axis.index()], parameters[4 + axis.index()]];
-            for ((field, all), slow) in signal.iter_mut().zip(variation).zip(slow) {
-                let fast = if all.re().is_finite() { all - slow } else { T::from(0.0) };
-                field[axis.index()] += (slow * of_slow + fast * of_fast) * 1e-6;
-            }
+            if count > 0.0 { sum / count } else { 0.0 }
+        };
+        let reference = context.references.outside_nt[axis.index()].unwrap_or_else(mean);
+        let variation: Vec<T> = outside.iter().map(|value| T::from(value - reference)).collect();
+        let slow = Signal::new(time, variation.clone()).lagged_twice(parameters[3], parameters[7]);
+        let (of_slow, of_fast) = (of_slow.column(axis.index()), parameters[4 + axis.index()]);
+        for ((field, all), slow) in signal.iter_mut().zip(variation).zip(slow) {
+            let fast = if all.re().is_finite() { all - slow } else { T::from(0.0) };
+            let mut leaked = of_slow * slow;
+            leaked[axis.index()] += fast * of_fast;
+            *field += leaked * T::from(1e-6);
         }
-        if found { Ok(()) } else { Err(context.missing(Self::ABOUT.name, "a column `outside_{x,y,z}_nt`")) }
     }
+    if found { Ok(()) } else { Err(context.missing(name, "a column `outside_{x,y,z}_nt`")) }
 }

@@ -4,7 +4,8 @@ use std::f64::consts::TAU;
 const SOURCE: &str =
     "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice";
 
-/// One line in GEO: ΔB = s sin(2πft) + c cos(2πft), t on the campaign's clock. Samples are instantaneous, so
+/// One line in GEO: ΔB = s sin φ + c cos φ, φ = 2πf (t + (ρ − 1)(t − t₀)²/2T), t on the campaign's clock: over a
+/// recording that begins at t₀ and lasts T the frequency goes from f to ρ f. Samples are instantaneous, so
 /// that a line above the Nyquist frequency appears at its alias by itself; where `conditions.integration_s`
 /// says that they are means over w, the line is smaller by sin(πfw)/(πfw).
 macro_rules! line {
@@ -17,7 +18,7 @@ macro_rules! line {
                 name: $name,
                 title: $title,
                 physics: $physics,
-                equation: "dB_geo = s sin(2 pi f t) + c cos(2 pi f t)",
+                equation: "dB_geo = s sin(2 pi f u) + c cos(2 pi f u), u = t + (rho - 1) (t - t_0)^2/2T, rho the end_ratio (1 where it is 0)",
                 source: SOURCE,
                 family: Family::Lines,
                 place: Place::Environment,
@@ -31,6 +32,7 @@ macro_rules! line {
                     ParameterInfo::amplitude("down_sine_nt", 0.01, 100.0),
                     ParameterInfo::amplitude("down_cosine_nt", 0.01, 100.0),
                     ParameterInfo::shape("frequency_hz", $low, $high),
+                    ParameterInfo::shape("end_ratio", 0.5, 2.0).or_zero(),
                 ],
                 needs: &["time_s"],
             };
@@ -42,8 +44,13 @@ macro_rules! line {
             ) -> Result {
                 let clock = around.context.clock($name)?;
                 let share = around.context.averaged(parameters[6]);
+                let (first, last) = (clock.first().copied(), clock.last().copied());
+                let twice_s = first.zip(last).map_or(0.0, |(first, last)| 2.0 * (last - first));
+                let wanders = twice_s > 0.0 && parameters[7].re() > 0.0;
+                let more = if wanders { (parameters[7] - 1.0) / twice_s } else { T::from(0.0) };
                 for (field, t) in signal.iter_mut().zip(clock) {
-                    let phase = parameters[6] * (TAU * t);
+                    let since = t - first.unwrap_or(t);
+                    let phase = parameters[6] * (more * (since * since) + t) * TAU;
                     let (sine, cosine) = phase.sin_cos();
                     for axis in 0..3 {
                         field[axis] +=

@@ -37,7 +37,7 @@ pub use gradient::{CoilGradient, OffCentre, add_known_gradient};
 pub use hysteresis::{Hysteresis, Perming};
 pub use inflection::OffsetTemperatureInflection;
 pub use iron::{HardIron, SoftIron};
-pub use leakage::NullingLeakage;
+pub use leakage::{NullingLeakage, NullingLeakageAcross};
 pub use lines::{Mains, PeriodicField, TractionPower};
 pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
 pub use sites::{InductionDifference, MeasuredTilt, PillarGradient, PillarSettling, PillarTilt};

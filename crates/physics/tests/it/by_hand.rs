@@ -473,7 +473,19 @@ fn slow_and_fast_variations_leak() {
     let outside = bench(json!({"time_s": [0, 10], "coil_x_a": [0, 0], "outside_x_nt": [0, 10]}), json!({}));
     let leaks = json!({"effect": "nulling_leakage", "parameters": {"north_ppm": 1e5, "east_ppm": 0, "down_ppm": 0,
         "lag_s": 7, "fast_north_ppm": 1e5}});
-    assert_adds(outside, leaks, &[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+    assert_adds(outside.clone(), leaks.clone(), &[[-0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
+    // From the field that is nulled, where that is stated.
+    let mut nulled = outside.clone();
+    let stated = nulled.calibration.get_or_insert_default().reference_conditions.get_or_insert_default();
+    stated.outside_x_nt = Some(0.0);
+    assert_adds(nulled, leaks, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
+    // A fast variation along x leaks along x alone; a slow one into y too.
+    let mut across = json!({"effect": "nulling_leakage_across", "parameters": {"north_ppm": 0, "east_ppm": 0,
+        "down_ppm": 0, "lag_s": 1e-9, "north_from_east_ppm": 7e4, "north_from_down_ppm": 7e4,
+        "east_from_north_ppm": 2e5, "east_from_down_ppm": 7e4, "down_from_north_ppm": 0, "down_from_east_ppm": 7e4}});
+    assert_adds(outside.clone(), across.clone(), &[[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
+    across["parameters"]["fast_north_ppm"] = json!(1e5);
+    assert_adds(outside, across, &[[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
 }
 
 #[test]

@@ -94,15 +94,16 @@ fn typical(kind: Kind) -> EffectInstance {
 fn smooth(kind: Kind, name: &str) -> f64 {
     match (kind, name) {
         (_, "frequency_hz") => 1e-8,
+        (_, "end_ratio") => 1e-7,
         (_, "inflection_k") => 1e-4,
         (Kind::DifferentialNonlinearity, "period_nt") => 1e-5,
         (Kind::Quantisation, _) => 1e-8,
         (Kind::Clipping | Kind::Perming, _) => 1e-3,
         (Kind::SensitivityAgeing, _) => 1.0,
         // In proportion, and small beside the slow ones.
-        (Kind::NullingLeakage, name) if name.starts_with("fast_") => 0.5,
+        (Kind::NullingLeakage | Kind::NullingLeakageAcross, name) if name.starts_with("fast_") => 0.5,
         (_, "second_lag_ratio" | "fast_ratio") => 0.3,
-        (Kind::NullingLeakage, _) => 0.05,
+        (Kind::NullingLeakage | Kind::NullingLeakageAcross, _) => 0.05,
         _ => 1e-2,
     }
 }
@@ -382,9 +383,10 @@ fn every_effect_says_what_it_is() {
             // Sharpness, a share and a ratio are numbers; what refers to a column of any unit is in that unit.
             let units =
                 ["_s", "_k", "_k2", "_a2", "_a", "_nt", "_ppm", "_hz", "_arcsec", "_m", "_day", "_unit"];
-            let others =
-                ["sharpness", "start_share", "from", "to", "reference", "second_lag_ratio", "fast_ratio"];
-            let known = units.iter().any(|unit| info.name.ends_with(unit)) || others.contains(&info.name);
+            let others = ["sharpness", "start_share", "from", "to", "reference"];
+            let units = units.iter().chain(&["_ratio"]);
+            let known =
+                units.into_iter().any(|unit| info.name.ends_with(unit)) || others.contains(&info.name);
             assert!(known, "{} has no unit", info.name);
         }
     }

@@ -65,6 +65,9 @@ pub fn section(document: &Document) -> Option<Section> {
         state("constants hold at: sensor", reference.sensor_temperature_c, "°C");
         state("constants hold at: electronics", reference.electronics_temperature_c, "°C");
         state("constants hold at: coils", reference.coil_temperature_c, "°C");
+        state("variations outside count from: x", reference.outside_x_nt, "nT");
+        state("variations outside count from: y", reference.outside_y_nt, "nT");
+        state("variations outside count from: z", reference.outside_z_nt, "nT");
     }
     section.table(table);
     (!section.is_empty()).then_some(section)

@@ -26,7 +26,7 @@ fn the_page_is_what_the_catalogue_says() {
 fn json_holds_every_effect_with_its_ranges() {
     let run = testkit::run(SIMULATE, &["effects", "--layout", "json"], "");
     let effects: Vec<Value> = serde_json::from_str(&run.stdout).expect("JSON");
-    assert_eq!(effects.len(), 56);
+    assert_eq!(effects.len(), 57);
     for effect in &effects {
         for key in ["effect", "title", "physics", "equation", "source", "family", "place", "acts_on"] {
             assert!(effect[key].as_str().is_some_and(|text| !text.is_empty()), "{effect}");

@@ -1,6 +1,7 @@
 //! Columns projected out of others, and what a group explains of what is left.
 
 use faer::{Col, Mat, MatRef};
+use std::sync::Arc;
 
 use super::products::Products;
 use crate::Error;
@@ -34,9 +35,11 @@ pub struct Gain {
 /// Columns and residual, with some of the columns projected out of all others.
 #[derive(Clone, Debug)]
 pub struct Screen {
-    /// What is left of the products of the columns: row i has those with columns 0 to i.
-    left: Vec<Vec<f64>>,
-    /// The same of their products with the residual.
+    /// Products of the columns: row i has those with columns 0 to i.
+    left: Arc<Vec<Vec<f64>>>,
+    /// Columns and residual along each direction that is projected out of these products.
+    taken: Vec<Vec<f64>>,
+    /// What is left of their products with the residual.
     along: Vec<f64>,
     /// The same of the residual's square.
     squares: f64,
@@ -75,12 +78,14 @@ impl Screen {
 
     /// No column yet: the residual's square, its rows, and the rank of what was projected out of it already.
     pub fn empty(squares: f64, rows: usize, used: usize) -> Self {
-        Self { left: Vec::new(), along: Vec::new(), squares, whole: Vec::new(), rows, used }
+        let (left, taken, along, whole) = (Arc::default(), Vec::new(), Vec::new(), Vec::new());
+        Self { left, taken, along, squares, whole, rows, used }
     }
 
-    /// Adds a column behind the others.
+    /// Adds a column behind the others, before any is projected out.
     pub fn push(&mut self, column: Column) {
-        self.left.push(column.left);
+        debug_assert!(self.taken.is_empty(), "a column that comes late is projected by nobody");
+        Arc::make_mut(&mut self.left).push(column.left);
         self.along.push(column.along);
         self.whole.push(column.whole);
     }
@@ -89,7 +94,7 @@ impl Screen {
     pub fn product(&self, i: usize, j: usize) -> f64 {
         let (high, low) = (i.max(j), i.min(j));
         match (self.left.get(high), self.along.get(low)) {
-            (Some(row), _) => row[low],
+            (Some(row), _) => row[low] - self.taken.iter().map(|along| along[i] * along[j]).sum::<f64>(),
             (None, Some(along)) => *along,
             (None, None) => self.squares,
         }
@@ -109,14 +114,13 @@ impl Screen {
     pub fn given(&self, group: &[usize]) -> Result<Self, Error> {
         let part = Part::of(self, group)?;
         let last = self.columns();
-        let across = part.directions.transpose()
-            * Mat::from_fn(group.len(), last + 1, |i, j| self.product(group[i], j));
-        let taken = across.transpose() * &across;
-        let left = |i: usize, j: usize| self.product(i, j) - taken[(i, j)];
-        let mut screen = Self::empty(left(last, last), self.rows, self.used + part.rank());
-        for i in 0..last {
-            let row = (0..=i).map(|j| left(i, j)).collect();
-            screen.push(Column { left: row, along: left(i, last), whole: self.whole[i] });
+        let across = Mat::from_fn(last + 1, group.len(), |i, j| self.product(i, group[j])) * &part.directions;
+        let mut screen = Self { used: self.used + part.rank(), ..self.clone() };
+        for direction in 0..part.rank() {
+            let along = across.col_as_slice(direction).to_vec();
+            screen.along.iter_mut().zip(&along).for_each(|(left, own)| *left -= own * along[last]);
+            screen.squares -= along[last] * along[last];
+            screen.taken.push(along);
         }
         Ok(screen)
     }
