@@ -133,13 +133,10 @@ impl Form {
             .to_vec()
     }
 
-    /// What is late in this form and in those beside it: on lines or not, with a fast part that is as fast as this or
-    /// faster, and without one.
-    pub fn beside(self) -> Vec<Self> {
-        let fast =
-            [1.0, FASTER.sqrt(), FASTER].map(|times| Self { fast: true, ..self.late(times * self.late_s) });
-        let all = [self, Self { lines: !self.lines, ..self }, Self { fast: false, ..self }];
-        all.into_iter().chain(fast).collect()
+    /// The same without a fast part, and with one that is as fast as this or faster.
+    pub fn through(&self) -> Vec<Self> {
+        let with = |times: f64| Self { fast: true, ..self.late(times * self.late_s) };
+        vec![Self { fast: false, ..*self }, with(1.0), with(FASTER.sqrt()), with(FASTER)]
     }
 }
 

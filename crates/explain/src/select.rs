@@ -231,11 +231,9 @@ fn refine(
         let (cause, form, _) = named[place].clone();
         let mut offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
         let near = form.near(by).into_iter().chain([form]);
-        let forms = near.flat_map(|form| match cause {
-            Cause::Covariate(_) => form.beside(),
-            _ => vec![form],
-        });
-        offered.extend(forms.map(|form| (cause, form)));
+        let near = near.flat_map(|form| [form, Form { lines: !form.lines, ..form }]);
+        let through = form.through().into_iter().filter(|_| matches!(cause, Cause::Covariate(_)));
+        offered.extend(near.chain(through).map(|form| (cause, form)));
         let stack = Stack::of(problem, &offered);
         let made = products(&problem.time_s, &stack, noises)?;
         let search = Search::new(&stack, &made, problem.rows(), 1, &|_| 1);
