@@ -16,8 +16,6 @@ const HELD: f64 = 0.5;
 const BENT: usize = 4;
 /// The fast part of what is late relaxes so many times as fast.
 const FASTER: f64 = 8.0;
-/// Every so many relaxations of the grid are tried with it.
-const SPARSE: usize = 4;
 /// Powers of a column from zero on, as of a current that is known by its power, and of time, as of creep; with its
 /// square a column is bent.
 const POWERS: [f64; 5] = [0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5];
@@ -68,8 +66,7 @@ impl Form {
                 let rows = (1..=ROWS).flat_map(|rows| [rows, -rows]).map(|rows| Self { rows, ..plain });
                 let lined =
                     lates().filter(|_| covariate.holds()).map(|late_s| Self { late_s, lines: true, ..plain });
-                let through = lates().step_by(SPARSE).map(|late_s| Self { late_s, fast: true, ..plain });
-                let curved = bent.into_iter().chain(powers).chain(through);
+                let curved = bent.into_iter().chain(powers);
                 [plain].into_iter().chain(curved).chain(rows).chain(lates().map(late)).chain(lined).collect()
             }
         }
