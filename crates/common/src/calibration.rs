@@ -128,8 +128,8 @@ pub struct CoilCalibration {
     pub extra: Extra,
 }
 
-/// Temperatures at which the constants hold, and the field outside at which it is nulled; absent ones are the mean of
-/// the recordings.
+/// Temperatures at which the constants hold, and the field outside from which its variations count; absent ones are the
+/// mean of the recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 pub struct ReferenceConditions {

@@ -2,14 +2,14 @@
 //! of time, and what it does at neighbouring shapes.
 
 use common::Axis;
-use physics::{EffectInstance, Family};
+use physics::EffectInstance;
 
 use crate::Error;
 use crate::atoms::{Atom, Atoms, Shape, Thing, of_one_sensor};
 use crate::channel::Channel;
 use crate::covariates::{self, ALONG};
 use crate::decide::FORM;
-use crate::model::Model;
+use crate::model::{self, Model};
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, place, range};
 
@@ -25,14 +25,11 @@ pub struct Form {
     pub neighbours: Vec<Stacked>,
 }
 
-/// The time constant, at one of its shapes, of an effect that remembers fields. One that remembers temperatures has
-/// none here: they are let settle before a recording.
+/// The time constant, at one of its shapes, of an effect that remembers fields.
 fn time_constant_s(effect: &EffectInstance, shape: &Shape) -> Option<f64> {
-    let about = effect.kind.about();
-    let place = about.parameters.iter().position(|info| ["lag_s", "time_constant_s"].contains(&info.name))?;
-    let remembers = matches!(about.family, Family::LateResponse | Family::OutsideField);
+    let place = model::time_constant(effect.kind)?;
     let tau = shape.value.or(shape.form.as_ref().map(|fitted| fitted.parameters[place]));
-    tau.filter(|tau| remembers && *tau > 0.0)
+    tau.filter(|tau| *tau > 0.0)
 }
 
 /// The highest order that could show: where departures of the largest share of a contribution, less with each

@@ -12,6 +12,7 @@ mod step;
 mod unknown;
 
 pub use known::stated_std;
+pub use past::time_constant;
 pub use state::{Model, Single, State};
 pub use unknown::Unknown;
 

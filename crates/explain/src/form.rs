@@ -252,6 +252,10 @@ mod tests {
         assert_eq!(covariate(&[1.0, 2.0, 3.0]).shifted(-1), [1.0, 1.0, 2.0]);
         let root = Form { power: Some(0.5), ..Form::default() };
         assert_eq!(root.of(&covariate(&[0.0, 4.0, 16.0]), &[0.0, 1.0, 2.0]), [[-2.0, 0.0, 2.0]]);
+        let through = Form { late_s: 8.0, fast: true, ..Form::default() };
+        let [slow, fast] = [8.0, 1.0].map(|late_s| Form::default().late(late_s));
+        let (load, at) = (covariate(&[0.0, 3.0, 1.0]), [0.0, 1.0, 2.0]);
+        assert_eq!(through.of(&load, &at), [slow.of(&load, &at), fast.of(&load, &at)].concat());
         assert!(covariate(&[0.0, 0.0, 0.0, 1.0, 1.0]).holds() && !covariate(&[0.0, 0.1, 0.2]).holds());
     }
 }

@@ -98,12 +98,8 @@ impl References {
     pub fn of(document: &Document) -> Self {
         let stated = Self::stated(document);
         let mean = |name: &str| {
-            let (mut sum, mut count) = (0.0, 0.0);
-            for column in document.recordings.iter().filter_map(|recording| series(recording, name)) {
-                let known = column.iter().filter(|value| value.is_finite());
-                (sum, count) = known.fold((sum, count), |(s, n), value| (s + value, n + 1.0));
-            }
-            (count > 0.0).then(|| sum / count)
+            let columns = document.recordings.iter().filter_map(|recording| series(recording, name));
+            finite_mean(columns.flat_map(Cow::into_owned))
         };
         let temperature = |which: Thermometer| mean(which.column());
         let outside = |axis: Axis| mean(&format!("outside_{axis}_nt"));
@@ -124,6 +120,13 @@ impl References {
             Thermometer::Coil => self.coil_c,
         }
     }
+}
+
+/// The mean of those values that are there.
+pub(crate) fn finite_mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let known = values.filter(|value| value.is_finite());
+    let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    (count > 0.0).then(|| sum / count)
 }
 
 /// One recording as the chain sees it.

@@ -69,17 +69,9 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         true_document.recordings.push(recording);
     }
     true_document.check()?;
-    // Variations outside count from the main field.
-    if let Some(outside) =
-        plan.truth.outside.as_ref().filter(|_| effects.iter().any(|effect| effect.kind.follows_outside()))
-    {
-        let stated =
-            true_document.calibration.get_or_insert_default().reference_conditions.get_or_insert_default();
-        let places = [&mut stated.outside_x_nt, &mut stated.outside_y_nt, &mut stated.outside_z_nt];
-        places
-            .into_iter()
-            .zip(outside.main_field_nt)
-            .for_each(|(place, field)| *place = place.or(Some(field)));
+    if let Some(outside) = &plan.truth.outside {
+        let main = References { outside_nt: outside.main_field_nt.map(Some), ..References::default() };
+        physics::state_references(&mut true_document, &main);
     }
     let references = References::of(&true_document);
     let set = take_columns(&mut true_document);

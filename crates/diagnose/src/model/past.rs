@@ -1,6 +1,6 @@
 //! What effects that follow the field outside kept of the time before the recordings.
 
-use physics::{EffectInstance, Family};
+use physics::{EffectInstance, Family, Kind, ParameterInfo};
 
 use super::state::{Model, Past, State};
 use crate::Error;
@@ -41,14 +41,22 @@ impl Model<'_> {
     }
 }
 
-/// The time constants of an effect that follows the field outside.
+/// Which parameter is the time constant of an effect that remembers fields. One that remembers temperatures has none
+/// here: they are let settle before a recording.
+pub fn time_constant(kind: Kind) -> Option<usize> {
+    let about = kind.about();
+    let remembers = matches!(about.family, Family::LateResponse | Family::OutsideField);
+    let is_it = |info: &ParameterInfo| ["lag_s", "time_constant_s"].contains(&info.name);
+    about.parameters.iter().position(is_it).filter(|_| remembers)
+}
+
+/// The time constants of an effect that follows the field outside, which was there before a recording; drives were at
+/// rest.
 fn time_constants_s(effect: &EffectInstance) -> Vec<f64> {
-    let about = effect.kind.about();
-    let value = |name: &str| {
-        let place = about.parameters.iter().position(|info| info.name == name);
-        place.map(|place| effect.parameters[place])
-    };
-    let lag_s = value("lag_s").filter(|_| about.family == Family::OutsideField);
-    let second = lag_s.zip(value("second_lag_ratio")).map(|(lag_s, ratio)| lag_s * ratio);
-    [lag_s, second.filter(|tau| *tau > 0.0)].into_iter().flatten().collect()
+    let infos = effect.kind.parameters();
+    let place = time_constant(effect.kind).filter(|_| effect.kind.follows_outside());
+    let second = infos.iter().position(|info| info.name == "second_lag_ratio");
+    let Some(tau) = place.map(|place| effect.parameters[place]) else { return Vec::new() };
+    let second = second.map(|place| effect.parameters[place] * tau).filter(|tau| *tau > 0.0);
+    std::iter::once(tau).chain(second).collect()
 }

@@ -149,6 +149,26 @@ fn a_command_that_is_logged_a_row_early_and_a_step_are_told_apart() {
     assert_eq!(step.parameters["time_s"].value(), 800.0 * STEP_S);
 }
 
+/// The clock was right at the beginning: a rate alone explains it.
+#[test]
+fn a_clock_that_gains_is_no_offset() {
+    let pair = Pair::new(23);
+    let field = pair.field.clone();
+    let late = |row: usize| {
+        [0, 1, 2].map(|axis| {
+            let rows = 500e-6 * row as f64;
+            let [now, before] = [row, row.saturating_sub(1)].map(|row| field[row][axis]);
+            rows * (before - now)
+        })
+    };
+    let found = entry(pair.document(&[("load_current_a", vec![0.0; ROWS])], late, [0.01, 0.01]));
+    assert_eq!(names(&found), [("clock_rate", None)], "{}", found.answer);
+    let rate = &found.effects[0].parameters["rate_ppm"];
+    let std = rate.std().expect("an uncertainty");
+    assert!((rate.value() - 500.0).abs() < 4.0 * std && std < 50.0, "{rate}");
+    assert!(found.answer.contains("the clock of the test instrument gains"), "{}", found.answer);
+}
+
 /// A current that is known by its power: one name, and no steps.
 #[test]
 fn a_root_of_a_column_is_one_name() {

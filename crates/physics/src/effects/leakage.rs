@@ -1,16 +1,31 @@
 use super::prelude::*;
+use crate::context::finite_mean;
 use crate::memory::Signal;
 use common::Axis;
 use nalgebra::Matrix3;
 
-const SOURCE: &str = "NASA CR-156638, test of the Earth field nulling system";
-const NEEDS: &[&str] = &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"];
-const LAG: ParameterInfo = ParameterInfo::shape("lag_s", 0.01, 1000.0);
-const SECOND_LAG: ParameterInfo = ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero();
-
 const fn share(name: &'static str) -> ParameterInfo {
     ParameterInfo::amplitude(name, 100.0, 200_000.0)
 }
+
+/// Those of a loop whose sensors and coils are parallel, then what leaks into other axes.
+const PARAMETERS: &[ParameterInfo] = &[
+    share("north_ppm"),
+    share("east_ppm"),
+    share("down_ppm"),
+    ParameterInfo::shape("lag_s", 0.01, 1000.0),
+    share("fast_north_ppm").or_zero(),
+    share("fast_east_ppm").or_zero(),
+    share("fast_down_ppm").or_zero(),
+    ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero(),
+    share("north_from_east_ppm"),
+    share("north_from_down_ppm"),
+    share("east_from_north_ppm"),
+    share("east_from_down_ppm"),
+    share("down_from_north_ppm"),
+    share("down_from_east_ppm"),
+];
+const PARALLEL: usize = 8;
 
 /// ΔB = g ∘ L + f ∘ (U − L) in GEO, (1 + τ d/dt)(1 + r τ d/dt) L = U, U the station's variation about the
 /// reference conditions (those not stated: about the mean of the recording): g leaks of slow variations, f of fast ones,
@@ -24,27 +39,17 @@ impl Effect for NullingLeakage {
         physics: "The loop that cancels Earth's field senses it elsewhere and late, and a share of each variation is \
             left at the sensors.",
         equation: "dB_geo = (g L + f (U - L)) 1e-6, (1 + tau d/dt)(1 + r tau d/dt) L = U = outside - its reference, per axis",
-        source: SOURCE,
+        source: "NASA CR-156638, test of the Earth field nulling system",
         family: Family::OutsideField,
         place: Place::Facility,
         stage: Stage::Geo,
         acts: Acts::Everything,
-        parameters: &[
-            share("north_ppm"),
-            share("east_ppm"),
-            share("down_ppm"),
-            LAG,
-            share("fast_north_ppm").or_zero(),
-            share("fast_east_ppm").or_zero(),
-            share("fast_down_ppm").or_zero(),
-            SECOND_LAG,
-        ],
-        needs: NEEDS,
+        parameters: PARAMETERS.split_at(PARALLEL).0,
+        needs: &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"],
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let slow = Matrix3::from_diagonal(&Vector3::new(parameters[0], parameters[1], parameters[2]));
-        leak(Self::ABOUT.name, slow, parameters, signal, around)
+        leak(Self::ABOUT.name, parameters, signal, around)
     }
 }
 
@@ -59,60 +64,37 @@ impl Effect for NullingLeakageAcross {
         physics: "Sensors and coils of the loop that cancels Earth's field are not parallel, and a variation along one \
             axis is left along the others too.",
         equation: "dB_geo = (G L + f (U - L)) 1e-6, L and U as for nulling_leakage, G a matrix",
-        source: SOURCE,
-        family: Family::OutsideField,
-        place: Place::Facility,
-        stage: Stage::Geo,
-        acts: Acts::Everything,
-        parameters: &[
-            share("north_ppm"),
-            share("east_ppm"),
-            share("down_ppm"),
-            LAG,
-            share("fast_north_ppm").or_zero(),
-            share("fast_east_ppm").or_zero(),
-            share("fast_down_ppm").or_zero(),
-            SECOND_LAG,
-            share("north_from_east_ppm"),
-            share("north_from_down_ppm"),
-            share("east_from_north_ppm"),
-            share("east_from_down_ppm"),
-            share("down_from_north_ppm"),
-            share("down_from_east_ppm"),
-        ],
-        needs: NEEDS,
+        parameters: PARAMETERS,
+        ..NullingLeakage::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let p = parameters;
-        let slow = Matrix3::new(p[0], p[8], p[9], p[10], p[1], p[11], p[12], p[13], p[2]);
-        leak(Self::ABOUT.name, slow, parameters, signal, around)
+        leak(Self::ABOUT.name, parameters, signal, around)
     }
 }
 
-/// Adds what leaks of the outside field; the parameters from the lag on are the same for both effects.
+/// Adds what leaks of the outside field.
 fn leak<T: Real>(
     name: &'static str,
-    of_slow: Matrix3<T>,
-    parameters: &[T],
+    p: &[T],
     signal: &mut [Vector3<T>],
     around: &Surroundings<'_, T>,
 ) -> Result {
     let context = around.context;
     let time = context.times(name)?;
+    let mut of_slow = Matrix3::from_diagonal(&Vector3::new(p[0], p[1], p[2]));
+    if let [a, b, c, d, e, f] = p[PARALLEL..] {
+        of_slow = Matrix3::new(p[0], a, b, c, p[1], d, e, f, p[2]);
+    }
     let mut found = false;
     for axis in Axis::ALL {
         let Some(outside) = context.recording.axis_column("outside", axis, "nt") else { continue };
         found = true;
-        let mean = || {
-            let known = outside.iter().filter(|value| value.is_finite());
-            let (sum, count) = known.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
-            if count > 0.0 { sum / count } else { 0.0 }
-        };
-        let reference = context.references.outside_nt[axis.index()].unwrap_or_else(mean);
+        let reference = context.references.outside_nt[axis.index()];
+        let reference = reference.or_else(|| finite_mean(outside.iter().copied())).unwrap_or(0.0);
         let variation: Vec<T> = outside.iter().map(|value| T::from(value - reference)).collect();
-        let slow = Signal::new(time, variation.clone()).lagged_twice(parameters[3], parameters[7]);
-        let (of_slow, of_fast) = (of_slow.column(axis.index()), parameters[4 + axis.index()]);
+        let slow = Signal::new(time, variation.clone()).lagged_twice(p[3], p[7]);
+        let (of_slow, of_fast) = (of_slow.column(axis.index()), p[4 + axis.index()]);
         for ((field, all), slow) in signal.iter_mut().zip(variation).zip(slow) {
             let fast = if all.re().is_finite() { all - slow } else { T::from(0.0) };
             let mut leaked = of_slow * slow;

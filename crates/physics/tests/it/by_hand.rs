@@ -479,13 +479,17 @@ fn slow_and_fast_variations_leak() {
     let stated = nulled.calibration.get_or_insert_default().reference_conditions.get_or_insert_default();
     stated.outside_x_nt = Some(0.0);
     assert_adds(nulled, leaks, &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]);
-    // A fast variation along x leaks along x alone; a slow one into y too.
-    let mut across = json!({"effect": "nulling_leakage_across", "parameters": {"north_ppm": 0, "east_ppm": 0,
-        "down_ppm": 0, "lag_s": 1e-9, "north_from_east_ppm": 7e4, "north_from_down_ppm": 7e4,
-        "east_from_north_ppm": 2e5, "east_from_down_ppm": 7e4, "down_from_north_ppm": 0, "down_from_east_ppm": 7e4}});
-    assert_adds(outside.clone(), across.clone(), &[[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
-    across["parameters"]["fast_north_ppm"] = json!(1e5);
-    assert_adds(outside, across, &[[0.0, -1.0, 0.0], [0.0, 1.0, 0.0]]);
+    // Into other axes: of 2, 20 and 200 nT along x, y and z above the mean.
+    let outside = bench(
+        json!({"time_s": [0, 10], "coil_x_a": [0, 0], "outside_x_nt": [0, 4], "outside_y_nt": [0, 40],
+            "outside_z_nt": [0, 400]}),
+        json!({}),
+    );
+    let across = json!({"effect": "nulling_leakage_across", "parameters": {"north_ppm": 1e5, "east_ppm": 2e5,
+        "down_ppm": 3e5, "lag_s": 1e-12, "north_from_east_ppm": 4e5, "north_from_down_ppm": 5e5,
+        "east_from_north_ppm": 6e5, "east_from_down_ppm": 7e5, "down_from_north_ppm": 8e5, "down_from_east_ppm": 9e5}});
+    let above = [0.2 + 8.0 + 100.0, 1.2 + 4.0 + 140.0, 1.6 + 18.0 + 60.0];
+    assert_adds(outside, across, &[above.map(|nt| -nt), above]);
 }
 
 #[test]
