@@ -1,12 +1,15 @@
 //! Readings held against an instrument beside them: what explains the difference, by the engine `explain`.
 
 mod answer;
+mod coarse;
 mod declared;
 mod effects;
 mod families;
+mod frozen;
 mod magnitude;
 mod pair;
 mod stated;
+mod unrecorded;
 
 use common::{
     AdoptedEffect, Axis, Diagnosis, Document, Quantity, Remaining, Residual, ResidualOf, ResidualSeries,
@@ -15,10 +18,12 @@ use common::{
 use estimate::grouped::{Grouped, grouped};
 use explain::{Cause, Covariate, Explained};
 use joined::Pair;
-use paired::{Clock, Explanation};
+use paired::events::FoundEvent;
+use paired::{Acting, Asked, Clock, Explanation};
 use physics::Kind;
 
 use self::declared::Declared;
+use self::frozen::Frozen;
 use crate::{Error, Options, against, plain};
 
 /// A name has at least this probability.
@@ -38,6 +43,12 @@ struct Compared {
     covariates: Vec<String>,
     /// Times of the rows that were explained, s, and the covariates there.
     time_s: Vec<f64>,
+    /// What the courses are, in which of their shapes lags are, and the channel in which each sensor shows alone.
+    acting: Vec<Acting>,
+    spikes: Vec<FoundEvent>,
+    frozen: Vec<Frozen>,
+    /// Sensors with coarse codes, and how wide these are, nT.
+    coarse: Vec<(Axis, f64)>,
     /// Rows that are disturbed.
     off: usize,
     along: Vec<Vec<f64>>,
@@ -90,6 +101,12 @@ fn covariates(document: &Document, recordings: &[String]) -> Vec<Covariate> {
     joined::beside(document, recordings).into_iter().map(of).collect()
 }
 
+/// All that the engine is asked of the recordings of a pair.
+fn asked(document: &Document, recordings: &[String], covariates: &[Covariate]) -> Asked {
+    let given = unrecorded::working_hours(document, recordings).into_iter().collect();
+    Asked { covariates: covariates.to_vec(), correct_clock: false, unrecorded: true, given }
+}
+
 /// Root of the mean of the squares.
 fn rms(of: &[f64]) -> f64 {
     (of.iter().map(|value| value * value).sum::<f64>() / of.len().max(1) as f64).sqrt()
@@ -107,6 +124,10 @@ impl Compared {
             covariates: covariates.iter().map(|one| one.name.clone()).collect(),
             along: covariates.iter().map(along).collect(),
             time_s,
+            acting: of.acting,
+            spikes: of.spikes,
+            frozen: Vec::new(),
+            coarse: Vec::new(),
             off: of.off,
             as_it_came: Vec::new(),
             clock: of.clock,
@@ -178,24 +199,35 @@ impl Compared {
 
     /// The name of a cause.
     fn name(&self, cause: Cause) -> String {
-        paired::named(cause, &self.covariates)
+        match cause {
+            Cause::Course(_) => unrecorded::name(self, cause),
+            _ => paired::named(cause, &self.covariates),
+        }
     }
 
     /// Sets of names that explain as well, where no single one is sure.
     fn ambiguity(&self) -> Vec<Vec<String>> {
-        if self.explained.probabilities.iter().all(|own| *own >= NAMED) {
-            return Vec::new();
-        }
+        let uncertain = self.explained.probabilities.iter().any(|own| *own < NAMED);
         let mut sum = 0.0;
-        let mut sets = Vec::new();
-        for rival in &self.explained.rivals {
-            if sum >= NAMED {
-                break;
-            }
+        let rivals = self.explained.rivals.iter().take_while(|rival| {
+            let told = sum < NAMED;
             sum += rival.probability;
-            sets.push(rival.causes.iter().map(|cause| self.name(*cause)).collect::<Vec<_>>());
-        }
-        sets.retain(|set| !set.is_empty());
+            told
+        });
+        let rivals: Vec<Vec<Cause>> = rivals.map(|rival| rival.causes.clone()).collect();
+        let chosen = || self.explained.causes.iter().map(|one| one.cause).collect();
+        let sets = if uncertain { rivals } else { vec![chosen()] };
+        let named = |set: &Vec<Cause>, lag: &dyn Fn(Cause) -> Option<String>| {
+            set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause))).collect::<Vec<_>>()
+        };
+        // A lag of which the first order is seen may be a loop's.
+        let either = sets.iter().filter(|set| !set.is_empty()).flat_map(|set| {
+            let delayed = named(set, &|_| None);
+            let looped = named(set, &|cause| unrecorded::loop_name(self, cause));
+            let twin = (looped != delayed).then_some(looped);
+            [delayed].into_iter().chain(twin)
+        });
+        let sets: Vec<Vec<String>> = either.collect();
         if sets.len() > 1 { sets } else { Vec::new() }
     }
 

@@ -137,7 +137,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
 }
 
 /// Frequencies of power supplies that appear at this one when sampled at a rate.
-fn aliases(frequency: f64, rate: f64) -> Vec<(Kind, f64)> {
+pub fn aliases(frequency: f64, rate: f64) -> Vec<(Kind, f64)> {
     let nominal = MAINS_HZ.iter().map(|f| (Kind::Mains, *f)).chain([(Kind::TractionPower, TRACTION_HZ)]);
     let found: Vec<(Kind, f64, f64)> = nominal
         .map(|(kind, nominal)| {

@@ -41,7 +41,7 @@ use crate::noise::{contributions, difference, drift, reference_noise};
 
 use common::Document;
 use explain::Covariate;
-use paired::residual;
+use paired::{Asked, residual};
 
 /// What is asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -56,7 +56,9 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
     let covariates: Vec<Covariate> =
         joined::beside(&document, &recorded.recordings).into_iter().map(of).collect();
-    let found = paired::find(&recorded, covariates.clone(), options.correct_clock, &|_| ())?;
+    let asked =
+        Asked { covariates: covariates.clone(), correct_clock: options.correct_clock, ..Asked::default() };
+    let found = paired::find(&recorded, asked, &|_| ())?;
     let held_out = found.held_out();
     let paired::Found { raw, follows, mut prepared, .. } = found;
     let mut fits = regression::fit(&prepared.pair, &follows)?;

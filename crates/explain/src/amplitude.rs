@@ -3,7 +3,6 @@
 use common::Quantity;
 use estimate::Error;
 use estimate::mixture::{Component, Mixture};
-use estimate::stats;
 use faer::Mat;
 
 use crate::fit::Fit;
@@ -30,7 +29,7 @@ pub struct Amplitude {
     pub channels: Vec<Vec<Quantity>>,
     /// The time constant, s.
     pub late_s: Option<Quantity>,
-    /// Probability that amplitudes which should be one differ so much by chance.
+    /// Of amplitudes that should be one: the share of what they explain that one explains.
     pub alike: Option<f64>,
 }
 
@@ -219,10 +218,12 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) 
         let quantities =
             |all: &[(f64, f64)]| all.iter().map(|(value, std)| Quantity::new(*value, *std)).collect();
         let (channels, alike) = if candidate.tied {
-            let columns = candidate.columns[0].len();
-            let means: Vec<((f64, f64), f64)> =
-                (0..columns).map(|column| mean(each.iter().map(|of| of[column]))).collect();
-            let alike = means.iter().map(|(_, p)| *p).fold(1.0, f64::min);
+            let columns = candidate.columns.iter().map(Vec::len).max().unwrap_or(0);
+            let of_column = |column: usize| each.iter().filter_map(move |of| of.get(column).copied());
+            let means: Vec<((f64, f64), [f64; 2])> =
+                (0..columns).map(|column| mean(of_column(column))).collect();
+            let [one, other] = [0, 1].map(|part| means.iter().map(|(_, parts)| parts[part]).sum::<f64>());
+            let alike = one / (one + other);
             (vec![quantities(&means.iter().map(|(mean, _)| *mean).collect::<Vec<_>>())], Some(alike))
         } else {
             (each.iter().map(|of| quantities(of)).collect(), None)
@@ -271,15 +272,15 @@ fn coefficients(
     (columns.iter().map(|column| fit.coefficient(*column)).collect(), covariance)
 }
 
-/// The mean of values by their uncertainties, its own, and the probability that they differ so much.
-fn mean(of: impl Iterator<Item = (f64, f64)>) -> ((f64, f64), f64) {
+/// The mean of values by their uncertainties and its own; what it explains, and what it does not, of their squares over
+/// those of their uncertainties.
+fn mean(of: impl Iterator<Item = (f64, f64)>) -> ((f64, f64), [f64; 2]) {
     let known: Vec<(f64, f64)> = of.filter(|(value, std)| value.is_finite() && *std > 0.0).collect();
     let weight: f64 = known.iter().map(|(_, std)| std.powi(-2)).sum();
     let mean = known.iter().map(|(value, std)| value * std.powi(-2)).sum::<f64>() / weight;
     let chi: f64 = known.iter().map(|(value, std)| ((value - mean) / std).powi(2)).sum();
     let freedom = known.len() as f64 - 1.0;
-    let p = if freedom < 1.0 { 1.0 } else { stats::chi_squared_p(chi, freedom) };
     // Values that differ by more than their uncertainties say how uncertain they are (Birge 1932).
     let wider = if freedom < 1.0 { 1.0 } else { (chi / freedom).max(1.0).sqrt() };
-    ((mean, wider * weight.sqrt().recip()), p)
+    ((mean, wider * weight.sqrt().recip()), [mean * mean * weight, chi])
 }

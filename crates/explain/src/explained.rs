@@ -11,6 +11,9 @@ use crate::search::Rival;
 use crate::select::{Selected, select};
 use crate::stack::Stack;
 
+/// A cause that should have one amplitude in all channels is none where one explains less than this share.
+const ALIKE: f64 = 0.75;
+
 /// What explains a problem.
 pub struct Explained {
     /// The causes of the best set, with their amplitudes.
@@ -99,7 +102,8 @@ fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>, Vec<f64>), 
         let with = all.swap_remove(selected.named.len());
         let mut gains = Vec::new();
         for (number, without) in all.iter().enumerate() {
-            if lower(without, &with) <= 0.0 {
+            let alike = fitted.amplitudes[number].alike.unwrap_or(1.0);
+            if lower(without, &with) <= 0.0 || alike < ALIKE {
                 causes.retain(|cause| *cause != selected.named[number].0);
             }
             gains.push(mean(without) - mean(&with));

@@ -39,6 +39,8 @@ pub struct Form {
     /// Of a column that mostly stays as it was: on lines between its samples, where else it holds each until the
     /// next.
     pub lines: bool,
+    /// Which of the shapes of a course.
+    pub shape: usize,
 }
 
 impl Form {
@@ -54,6 +56,9 @@ impl Form {
         let late = |late_s: f64| Self { late_s, ..plain };
         match cause {
             Cause::Clock => vec![plain, Self { bent: true, ..plain }],
+            Cause::Course(number) => {
+                (0..problem.courses[number].shapes.len()).map(|shape| Self { shape, ..plain }).collect()
+            }
             Cause::Time => {
                 let powers = POWERS.into_iter().map(|power| Self { power: Some(power), ..plain });
                 [plain].into_iter().chain(powers).chain(lates().map(late)).collect()

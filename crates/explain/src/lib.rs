@@ -5,6 +5,8 @@
 //! probability and that of its rivals, amplitudes with their uncertainties, and what is left. It knows nothing of
 //! documents.
 //!
+//! What acts without having been recorded is a [`Course`]: its columns come with the problem.
+//!
 //! - `form` has the forms of a cause: at once, late by a relaxation or by whole samples, bent. `stack` puts all
 //!   columns side by side; `products` whitens them under each form of noise (`noises`) and forms their
 //!   products.
@@ -35,6 +37,7 @@ pub use explained::{Explained, explain};
 pub use fit::Fit;
 pub use form::{Form, sampled, smoothed};
 pub use held_out::{HeldOut, Plain};
-pub use problem::{Cause, Covariate, Problem};
+pub use noises::filter;
+pub use problem::{Cause, Course, Covariate, Problem, Term};
 pub use search::{Rival, odds};
 pub use select::{thinned, weigh};

@@ -140,6 +140,15 @@ pub fn fitted(residual: &[f64], step_s: f64) -> Option<Form> {
     white.is_finite().then_some(Form::Fitted(1.0, processes))
 }
 
+/// The filter of a residual's own spectrum; None where it is too short for one.
+///
+/// # Errors
+///
+/// Times out of order.
+pub fn filter(time_s: &[f64], residual: &[f64], step_s: f64) -> Result<Option<Whitening>, Error> {
+    fitted(residual, step_s).map(|form| form.whitening(time_s)).transpose()
+}
+
 /// The periodogram in bins of frequency (cycles a step): their frequency, mean, and how many are in them.
 fn binned(residual: &[f64]) -> Option<Vec<(f64, f64, f64)>> {
     let n = residual.len();

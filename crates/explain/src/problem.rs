@@ -37,6 +37,17 @@ pub struct Problem {
     pub directions: Vec<Vec<f64>>,
     /// First rows after steps that are part of the base.
     pub steps: Vec<usize>,
+    /// What else may act.
+    pub courses: Vec<Course>,
+}
+
+/// What something does to each channel, in one of some shapes.
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// The columns of each shape.
+    pub shapes: Vec<Vec<Term>>,
+    /// Among how many alike it was found.
+    pub looks: f64,
 }
 
 /// What may act on all channels.
@@ -48,14 +59,27 @@ pub enum Cause {
     Time,
     /// Another clock than that of the base.
     Clock,
+    /// The course with this number.
+    Course(usize),
 }
 
 /// The columns of an explanation.
+#[derive(Clone, Debug)]
 pub enum Term {
     /// One column for all channels, with an amplitude in each.
     Alike(Vec<f64>),
     /// A column for each channel, with one amplitude for all.
     Tied(Vec<Vec<f64>>),
+}
+
+impl Term {
+    fn at(&self, rows: &[usize]) -> Self {
+        let of = |column: &Vec<f64>| rows.iter().map(|row| column[*row]).collect();
+        match self {
+            Term::Alike(column) => Term::Alike(of(column)),
+            Term::Tied(own) => Term::Tied(own.iter().map(of).collect()),
+        }
+    }
 }
 
 impl Problem {
@@ -80,6 +104,14 @@ impl Problem {
         let of = |column: &Vec<f64>| rows.iter().map(|row| column[*row]).collect::<Vec<f64>>();
         let all = |columns: &[Vec<f64>]| columns.iter().map(of).collect();
         let steps = self.steps.iter().map(|step| rows.partition_point(|row| row < step));
+        let course = |course: &Course| Course {
+            shapes: course
+                .shapes
+                .iter()
+                .map(|shape| shape.iter().map(|term| term.at(rows)).collect())
+                .collect(),
+            ..*course
+        };
         Self {
             time_s: of(&self.time_s),
             channels: all(&self.channels),
@@ -90,6 +122,7 @@ impl Problem {
             rates: all(&self.rates),
             directions: all(&self.directions),
             steps: steps.filter(|step| *step > 0 && *step < rows.len()).collect(),
+            courses: self.courses.iter().map(course).collect(),
         }
     }
 
@@ -102,7 +135,8 @@ impl Problem {
     pub fn causes(&self) -> Vec<Cause> {
         let clock = (!self.rates.is_empty()).then_some(Cause::Clock);
         let covariates = (0..self.covariates.len()).map(Cause::Covariate);
-        covariates.chain([Cause::Time]).chain(clock).collect()
+        let courses = (0..self.courses.len()).map(Cause::Course);
+        covariates.chain([Cause::Time]).chain(clock).chain(courses).collect()
     }
 
     /// The columns of a cause in one of its forms.
@@ -113,6 +147,7 @@ impl Problem {
             Cause::Clock => {
                 return form.of_clock(&self.time_s, &self.rates).into_iter().map(Term::Tied).collect();
             }
+            Cause::Course(number) => return self.courses[number].shapes[form.shape].clone(),
         };
         let turned = |column: &Vec<f64>| -> Vec<Term> {
             let times = |direction: &Vec<f64>| column.iter().zip(direction).map(|(a, b)| a * b).collect();

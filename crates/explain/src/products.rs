@@ -23,26 +23,35 @@ pub struct Product {
 ///
 /// Times out of order.
 pub fn products(time_s: &[f64], stack: &Stack, noises: &[Form]) -> Result<Vec<Product>, Error> {
-    noises.par_iter().map(|noise| product(time_s, stack, noise)).collect()
+    let all: Vec<usize> = (0..stack.columns.len()).collect();
+    noises.par_iter().map(|noise| product(time_s, stack, &all, noise)).collect()
 }
 
-fn product(time_s: &[f64], stack: &Stack, noise: &Form) -> Result<Product, Error> {
-    let columns = &stack.columns;
+/// The same of some of the columns, with zeros for the others.
+///
+/// # Errors
+///
+/// Times out of order.
+pub fn product(time_s: &[f64], stack: &Stack, among: &[usize], noise: &Form) -> Result<Product, Error> {
     let filter = noise.whitening(time_s)?;
-    let mut white = columns.to_vec();
+    let mut white: Vec<Vec<f64>> = among.iter().map(|column| stack.columns[*column].clone()).collect();
     filter.whiten_all(&mut white);
     let rows = time_s.len();
-    let matrix = Mat::from_fn(rows, columns.len(), |row, column| white[column][row]);
+    let matrix = Mat::from_fn(rows, among.len(), |row, column| white[column][row]);
     drop(white);
-    let mut gram = Mat::zeros(columns.len(), columns.len());
+    let mut own = Mat::<f64>::zeros(among.len(), among.len());
     faer::linalg::matmul::matmul(
-        gram.as_mut(),
+        own.as_mut(),
         faer::Accum::Replace,
         matrix.transpose(),
         matrix.as_ref(),
         1.0,
         Par::Seq,
     );
+    let mut gram = Mat::zeros(stack.columns.len(), stack.columns.len());
+    for (i, row) in among.iter().enumerate() {
+        among.iter().enumerate().for_each(|(j, column)| gram[(*row, *column)] = own[(i, j)]);
+    }
     for (column, known) in &stack.known {
         gram[(*column, *column)] += known;
     }

@@ -92,6 +92,7 @@ impl<'a> Search<'a> {
     ) -> Self {
         let of = |candidate: &Candidate| {
             -AGAINST - (causes.max(1) as f64).ln() + of_form(candidate, forms(candidate.cause))
+                - candidate.looks
         };
         let prior = stack.candidates.iter().map(of).collect();
         Self { stack, base, products, rows, prior, weighed: BTreeMap::new() }

@@ -1,6 +1,7 @@
 //! From all causes in all forms to the best set: screened on some of the rows, decided on all of them.
 
 use estimate::Error;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 use crate::amplitude::{self, Amplitude};
@@ -8,7 +9,7 @@ use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises;
 use crate::problem::{Cause, Problem};
-use crate::products::{Product, products};
+use crate::products::{Product, product, products};
 use crate::reference::{SHARES, held};
 use crate::search::{Named, Rival, Search};
 use crate::stack::Stack;
@@ -127,13 +128,14 @@ fn with_spectra(
     of_laws: &[Product],
     set: &[Named],
 ) -> Result<(Vec<noises::Form>, Vec<Product>), Error> {
+    let own = |channel: usize| -> Vec<usize> {
+        let shown = set.iter().filter(|one| one.channels[channel]);
+        shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone()).collect()
+    };
     let (mut forms, mut made) = (laws.to_vec(), of_laws.to_vec());
-    for _ in 0..SPECTRA {
+    for round in 0..SPECTRA {
         let fitted = (0..stack.y.len()).filter_map(|channel| {
-            let shown = set.iter().filter(|one| one.channels[channel]);
-            let own: Vec<usize> =
-                shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone()).collect();
-            let y = stack.y[channel];
+            let (y, own) = (stack.y[channel], own(channel));
             let best = Sweep::of(&made, problem.rows(), y, &stack.base, &own).best();
             let columns: Vec<usize> = stack.base.iter().chain(&own).copied().collect();
             let fit = Fit::of(&made[best].gram, y, &columns);
@@ -141,10 +143,21 @@ fn with_spectra(
         });
         let fitted: Vec<noises::Form> = fitted.collect();
         forms.truncate(laws.len());
-        let kept = made.split_off(laws.len());
-        made.extend(products(&problem.time_s, stack, &fitted)?);
+        made.truncate(laws.len());
+        // Until the last the set's own columns are enough.
+        made.extend(if round + 1 == SPECTRA {
+            products(&problem.time_s, stack, &fitted)?
+        } else {
+            let all = (0..stack.y.len()).flat_map(&own);
+            let mut among: Vec<usize> = stack.base.iter().chain(&stack.y).copied().chain(all).collect();
+            among.sort_unstable();
+            among.dedup();
+            fitted
+                .par_iter()
+                .map(|noise| product(&problem.time_s, stack, &among, noise))
+                .collect::<Result<Vec<_>, _>>()?
+        });
         forms.extend(fitted);
-        drop(kept);
     }
     Ok((forms, made))
 }

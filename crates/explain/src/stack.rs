@@ -14,6 +14,8 @@ pub struct Candidate {
     pub columns: Vec<Vec<usize>>,
     /// Whether the channels have one amplitude.
     pub tied: bool,
+    /// ln of the number of alike ones among which it was found.
+    pub looks: f64,
 }
 
 /// The columns.
@@ -81,16 +83,27 @@ impl Stack {
                 Term::Tied(own) => {
                     tied = true;
                     // One amplitude for all: one scale.
-                    let first = self.columns.len();
-                    for column in own {
-                        self.columns.push(column);
-                        self.scale.push(1.0);
+                    let square = |column: &Vec<f64>| column.iter().map(|value| value * value).sum::<f64>();
+                    let all: f64 = own.iter().map(square).sum();
+                    let scale =
+                        (all / own.iter().map(Vec::len).sum::<usize>() as f64).sqrt().max(f64::MIN_POSITIVE);
+                    for (of, mut column) in columns.iter_mut().zip(own) {
+                        // Where it does nothing it has no column.
+                        if square(&column) > 0.0 {
+                            column.iter_mut().for_each(|value| *value /= scale);
+                            of.push(self.columns.len());
+                            self.columns.push(column);
+                            self.scale.push(scale);
+                        }
                     }
-                    columns.iter_mut().enumerate().for_each(|(channel, of)| of.push(first + channel));
                 }
             }
         }
-        self.candidates.push(Candidate { cause, form, columns, tied });
+        let looks = match cause {
+            Cause::Course(number) => problem.courses[number].looks.max(1.0).ln(),
+            _ => 0.0,
+        };
+        self.candidates.push(Candidate { cause, form, columns, tied, looks });
     }
 
     /// Adds what noise of the base's readings looks like.

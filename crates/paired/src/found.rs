@@ -1,21 +1,27 @@
 //! From a pair to what its difference follows, its clocks and its events: columns first, until nothing changes.
 
-use common::{ClockDifference, HeldOutPrediction, Quantity};
-use explain::{Cause, Covariate, Explained, Problem, explain};
+use common::{ClockDifference, EventInstrument, HeldOutPrediction, Quantity};
+use explain::{Amplitude, Cause, Covariate, Explained, Form, Problem, explain};
 use joined::Pair;
 
 use crate::Error;
-use crate::events::Events;
+use crate::courses::{Acting, Given, Sensors};
+use crate::events::{Events, FoundEvent};
 use crate::followed::Follows;
 use crate::look::Shift;
 use crate::prepare::{Prepared, prepare, whole_samples};
 use crate::problem::{Known, problem, squares};
+use crate::striking::striking;
 use crate::{delays, held_out, pauses, segments};
 
 /// Fewer whole rows explain nothing.
 pub const LEAST: usize = 32;
 /// Rounds of columns and events.
 const ROUNDS: usize = 5;
+/// Rounds of what is striking in what is left.
+const STRIKING: usize = 6;
+/// More lines than these are structure of another kind.
+const LINES: usize = 3;
 
 /// What a pair's difference follows, and the pair without it.
 pub struct Found {
@@ -28,8 +34,29 @@ pub struct Found {
     /// Clocks and events of what they leave.
     pub prepared: Prepared,
     covariates: Vec<Covariate>,
+    /// What may act without having been recorded, each with the number of alike ones among which it was found.
+    acting: Vec<(Acting, f64)>,
+    given: Vec<Given>,
+    /// Whether more is looked for, and what was found before.
+    unrecorded: bool,
+    tried: Vec<Acting>,
+    /// What is left of each channel in each row, as far as it is known.
+    left: Vec<Vec<f64>>,
     /// What the engine said last, and of what.
     last: Option<Weighed>,
+}
+
+/// What is asked of a pair.
+#[derive(Clone, Debug, Default)]
+pub struct Asked {
+    /// What was recorded beside it.
+    pub covariates: Vec<Covariate>,
+    /// Whether the test instrument's clock is corrected.
+    pub correct_clock: bool,
+    /// Whether what was not recorded is looked for: sensors that answer late, lines, codes.
+    pub unrecorded: bool,
+    /// Courses that may act besides.
+    pub given: Vec<Given>,
 }
 
 /// How late the test instrument's clock is.
@@ -49,6 +76,10 @@ pub struct Clock {
 pub struct Explanation {
     /// The causes, of the rows in `rows`.
     pub explained: Explained,
+    /// What the courses are.
+    pub acting: Vec<Acting>,
+    /// Single readings that are disturbed, where they are not known to be the reference's.
+    pub spikes: Vec<FoundEvent>,
     /// The clock, where it differs.
     pub clock: Option<Clock>,
     /// The rows of the pair that were explained.
@@ -69,22 +100,62 @@ struct Weighed {
     shift: Shift,
     explained: Explained,
     problem: Problem,
+    sensors: Sensors,
+    acting: Vec<(Acting, f64)>,
     rows: Vec<usize>,
 }
 
 impl Weighed {
-    fn of(
-        pair: &Pair,
-        covariates: &[Covariate],
-        known: Known<'_>,
-        told: &dyn Fn(&str),
-    ) -> Result<Self, Error> {
-        let (problem, rows) = problem(pair, covariates, known);
+    fn of(of: &Found, known: Known<'_>, told: &dyn Fn(&str)) -> Result<Self, Error> {
+        let (mut problem, sensors, rows) = problem(&of.recorded, &of.covariates, known);
         if rows.len() < LEAST {
             return Err(estimate::Error::TooFew { found: rows.len(), unknowns: LEAST }.into());
         }
+        let left: Vec<Vec<f64>> =
+            of.left.iter().map(|left| rows.iter().map(|row| left[*row]).collect()).collect();
+        let courses = of
+            .acting
+            .iter()
+            .map(|(acting, looks)| acting.course((&problem, &sensors), &left, &of.given, *looks));
+        problem.courses = courses.collect();
         let explained = explain(&problem, told)?;
-        Ok(Self { events: known.events.clone(), shift: known.shift, explained, problem, rows })
+        let acting = of.acting.clone();
+        Ok(Self {
+            events: known.events.clone(),
+            shift: known.shift,
+            explained,
+            problem,
+            sensors,
+            acting,
+            rows,
+        })
+    }
+
+    /// The causes in their forms.
+    fn causes(&self) -> Vec<(Cause, Form, Option<Acting>)> {
+        let of = |one: &Amplitude| match one.cause {
+            Cause::Course(number) => (Cause::Course(0), one.form, Some(self.acting[number].0)),
+            cause => (cause, one.form, None),
+        };
+        self.explained.causes.iter().map(of).collect()
+    }
+
+    /// The amplitude of a course, where it was chosen.
+    fn amplitude(&self, number: usize) -> Option<&Amplitude> {
+        self.explained.causes.iter().find(|one| one.cause == Cause::Course(number))
+    }
+
+    /// What courses contribute to each channel is added so many times to a pair.
+    fn add_courses(&self, pair: &mut Pair, times: f64) {
+        for (one, channels) in self.explained.causes.iter().zip(&self.explained.contributions) {
+            if !matches!(one.cause, Cause::Course(_)) {
+                continue;
+            }
+            for (test, contribution) in pair.test.iter_mut().zip(channels) {
+                self.rows.iter().zip(contribution).for_each(|(row, value)| test[*row] += times * value);
+            }
+        }
+        pair.bridge();
     }
 
     fn follows(&self, pair: &Pair, covariates: &[Covariate]) -> Vec<Follows> {
@@ -104,21 +175,25 @@ impl Weighed {
 /// # Errors
 ///
 /// Readings that a fit cannot use.
-pub fn find(
-    recorded: &Pair,
-    covariates: Vec<Covariate>,
-    correct_clock: bool,
-    told: &dyn Fn(&str),
-) -> Result<Found, Error> {
+pub fn find(recorded: &Pair, asked: Asked, told: &dyn Fn(&str)) -> Result<Found, Error> {
+    let sensors = 0..if asked.unrecorded { 3 } else { 0 };
+    let acting = sensors.map(Acting::Late).chain((0..asked.given.len()).map(Acting::Given));
+    let correct_clock = asked.correct_clock;
     let mut found = Found {
         recorded: recorded.clone(),
         raw: recorded.clone(),
         follows: Vec::new(),
         prepared: Prepared::none(recorded),
-        covariates,
+        covariates: asked.covariates,
+        acting: acting.map(|one| (one, 1.0)).collect(),
+        given: asked.given,
+        unrecorded: asked.unrecorded,
+        tried: Vec::new(),
+        left: vec![vec![0.0; recorded.whole.len()]; recorded.test.len()],
         last: None,
     };
-    if found.covariates.is_empty() || recorded.samples() < LEAST {
+    let nothing = found.covariates.is_empty() && !asked.unrecorded;
+    if nothing || recorded.samples() < LEAST {
         found.prepare(correct_clock, told)?;
     } else {
         found.weigh_and_prepare(correct_clock, told)?;
@@ -133,12 +208,20 @@ impl Found {
     fn weigh_and_prepare(&mut self, correct_clock: bool, told: &dyn Fn(&str)) -> Result<(), Error> {
         told("comparing the clocks");
         self.prepared.shift = whole_samples(&self.recorded)?;
+        let mut before = Vec::new();
         for round in 0..ROUNDS {
             // Disturbed rows are left out first: what a step was taken for may then follow a column.
             let with_steps = round != 1 || self.prepared.events.disturbances().found.is_empty();
             if !self.weigh(with_steps, told)? && with_steps {
                 break;
             }
+            // Clocks and events are those beside the same causes.
+            let causes = self.last.as_ref().map(Weighed::causes).unwrap_or_default();
+            let same = causes.len() == before.len() && causes.iter().all(|one| before.contains(one));
+            if with_steps && round > 0 && same {
+                break;
+            }
+            before = causes;
             self.prepare(correct_clock, told)?;
         }
         Ok(())
@@ -154,10 +237,46 @@ impl Found {
             return Ok(false);
         }
         told("weighing what was recorded beside");
-        let last = Weighed::of(&self.recorded, &self.covariates, Known { events: &events, shift }, told)?;
+        let known = Known { events: &events, shift };
+        let mut last = Weighed::of(self, known, told)?;
+        let mut new = Vec::new();
+        for _ in 0..STRIKING {
+            let too_many = self.keep_what_acts(&last);
+            let helped = new.is_empty() || self.acting.iter().any(|one| new.contains(one));
+            new = match self.unrecorded && helped {
+                true => striking(&last.problem, &last.sensors, &last.explained)?,
+                false => Vec::new(),
+            };
+            new.retain(|(new, _)| {
+                !self.tried.iter().any(|known| known.is_near(new, &last.problem, &last.sensors))
+            });
+            if new.is_empty() && !too_many {
+                break;
+            }
+            self.tried.extend(new.iter().map(|(new, _)| *new));
+            self.acting.extend(new.iter().copied());
+            last = Weighed::of(self, known, told)?;
+        }
         self.follows = last.follows(&self.recorded, &self.covariates);
         self.last = Some(last);
         Ok(true)
+    }
+
+    /// Keeps what is left, and of what was looked for that which was chosen; no lines, where they are too many, which is
+    /// the answer.
+    fn keep_what_acts(&mut self, last: &Weighed) -> bool {
+        for (left, own) in self.left.iter_mut().zip(&last.explained.residual) {
+            last.rows.iter().zip(own).for_each(|(row, value)| left[*row] = *value);
+        }
+        let is_line = |acting: &Acting| matches!(acting, Acting::Line(_));
+        let all = || last.acting.iter().enumerate();
+        let chosen = |number: usize| last.amplitude(number).is_some();
+        let too_many = all().filter(|(number, one)| is_line(&one.0) && chosen(*number)).count() > LINES;
+        let stays = |(number, one): &(usize, &(Acting, f64))| {
+            one.0.is_usual() || chosen(*number) && !(too_many && is_line(&one.0))
+        };
+        self.acting = all().filter(stays).map(|(_, one)| *one).collect();
+        too_many
     }
 
     /// Finds clocks and events in what the columns leave.
@@ -165,6 +284,9 @@ impl Found {
         told("looking for steps and disturbed readings, and at the clocks");
         self.raw =
             self.follows.iter().fold(self.recorded.clone(), |pair, follows| follows.added(&pair, -1.0));
+        if let Some(last) = &self.last {
+            last.add_courses(&mut self.raw, -1.0);
+        }
         self.raw.segments.iter_mut().for_each(|segment| segment.late_s = 0.0);
         pauses::cut(&mut self.raw)?;
         let segments = segments::find(&mut self.raw)?;
@@ -199,14 +321,30 @@ impl Found {
         let rms = |left: f64| (left / unmoved.rows() as f64).sqrt();
         let rms = squares(&unmoved).into_iter().map(rms).collect();
         self.weigh(true, told)?;
-        let Some(Weighed { mut explained, problem, rows, .. }) = self.last else {
+        let Some(Weighed { mut explained, problem, acting, rows, .. }) = self.last else {
             return Err(Error::Fit("nothing was weighed".into()));
         };
         let clock = Clock::of(&self.prepared, &problem);
         explained.without(Cause::Clock);
         let disturbed = self.prepared.events.disturbances().found;
+        // Beside a magnitude the sensors are the reference, and one of them or the magnitude may be off.
+        let own = |event: &FoundEvent| {
+            self.recorded.test.len() == 1 || event.instrument != EventInstrument::Reference
+        };
+        let is_spike = |event: &&FoundEvent| event.from == event.to && own(event);
+        let spikes = disturbed.iter().filter(is_spike).cloned().collect();
         let off = disturbed.iter().map(|event| event.to + 1 - event.from).sum();
-        Ok(Explanation { explained, clock, rows, problem, frame: self.recorded.frame(), off, unmoved: rms })
+        Ok(Explanation {
+            explained,
+            acting: acting.iter().map(|(acting, _)| *acting).collect(),
+            spikes,
+            clock,
+            rows,
+            problem,
+            frame: self.recorded.frame(),
+            off,
+            unmoved: rms,
+        })
     }
 }
 

@@ -45,5 +45,6 @@ pub fn named(cause: Cause, covariates: &[String]) -> String {
         Cause::Covariate(number) => covariates[number].clone(),
         Cause::Time => "time".into(),
         Cause::Clock => "clock".into(),
+        Cause::Course(_) => "what was not recorded".into(),
     }
 }

@@ -5,6 +5,8 @@
 //! rows and beside the steps, until neither changes. Readings that a recorded column explains are never left out.
 //!
 //! - `problem` makes a problem of a pair for the engine. `followed` has what it says of a column.
+//! - `courses` has what acts without having been recorded: sensors that answer late, lines, codes. `striking` looks for
+//!   lines and codes.
 //! - `look` fits all axes under their noise, with the clock's difference. `prepare` alternates between clocks and
 //!   events, each with the other removed; events are sought in the test instrument's own rows, with the reference
 //!   moved to its moments.
@@ -18,6 +20,7 @@
 
 pub mod adopt;
 mod axes;
+mod courses;
 pub mod delays;
 pub mod events;
 pub mod followed;
@@ -33,9 +36,11 @@ mod problem;
 pub mod residual;
 pub mod segments;
 pub mod significance;
+mod striking;
 
 pub use common::Error;
-pub use found::{Clock, Explanation, Found, LEAST, find};
+pub use courses::{Acting, Given, Uneven};
+pub use found::{Asked, Clock, Explanation, Found, LEAST, find};
 pub use held_out::{lateness, named, regressions};
 
 /// What has a smaller probability by chance is told.

@@ -7,6 +7,7 @@ use explain::{Covariate, Fit, Problem, smoothed, thinned};
 use faer::Mat;
 use joined::Pair;
 
+use crate::courses::Sensors;
 use crate::events::Events;
 use crate::look::{Moved, Shift, aligned, seen_rate};
 
@@ -33,15 +34,24 @@ pub struct Known<'a> {
 
 /// Rows in which both instruments read and nothing is disturbed, with the reference at the test instrument's
 /// moments; steps are part of the base.
-pub fn problem(recorded: &Pair, covariates: &[Covariate], known: Known<'_>) -> (Problem, Vec<usize>) {
+pub fn problem(
+    recorded: &Pair,
+    covariates: &[Covariate],
+    known: Known<'_>,
+) -> (Problem, Sensors, Vec<usize>) {
     let quiet = known.events.disturbances().taken_out(recorded, known.shift);
     let pair = aligned(quiet, known.shift, Moved::Reference);
     let rows: Vec<usize> = (0..pair.whole.len()).filter(|row| pair.whole[*row]).collect();
     let at = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
     let base: Vec<Vec<f64>> = pair.reference.iter().map(|column| at(column)).collect();
     let channels: Vec<Vec<f64>> = pair.test.iter().map(|column| at(column)).collect();
-    let slopes = pair.reference.each_ref().map(|column| at(&seen_rate(&pair, column)));
-    let rates = channels.iter().map(|channel| rate(&base, channel, &slopes)).collect();
+    let late = pair
+        .reference
+        .each_ref()
+        .map(|column| at(&seen_rate(&pair, column)).iter().map(|rate| -rate).collect());
+    let answers: Vec<[f64; 3]> = channels.iter().map(|channel| answer(&base, channel)).collect();
+    let rates: Vec<Vec<f64>> = answers.iter().map(|eta| along(&late, eta)).collect();
+    let sensors = Sensors::of(&base, &late, &answers);
     let time_s: Vec<f64> = rows.iter().map(|row| pair.time_s(*row)).collect();
     let fast = fast(&time_s, &base, pair.step_s);
     let white = channels.iter().map(|channel| white(&base, channel)).fold(f64::INFINITY, f64::min).sqrt();
@@ -63,9 +73,9 @@ pub fn problem(recorded: &Pair, covariates: &[Covariate], known: Known<'_>) -> (
         ..Problem::default()
     };
     if kept.len() == rows.len() {
-        return (problem, rows);
+        return (problem, sensors, rows);
     }
-    (problem.at(&kept), kept.into_iter().map(|row| rows[row]).collect())
+    (problem.at(&kept), sensors.at(&kept), kept.into_iter().map(|row| rows[row]).collect())
 }
 
 /// What is faster than some steps in each column.
@@ -97,12 +107,17 @@ fn regressed(all: &[&[f64]]) -> Fit {
     Fit::of(&gram, count - 1, &(0..count - 1).collect::<Vec<_>>())
 }
 
-/// −dB/dt of the field along a channel, as plain least squares have it.
-fn rate(base: &[Vec<f64>], channel: &[f64], slopes: &[Vec<f64>; 3]) -> Vec<f64> {
+/// How a channel answers to each component of the reference, as plain least squares have it.
+fn answer(base: &[Vec<f64>], channel: &[f64]) -> [f64; 3] {
     let all: Vec<&[f64]> = base.iter().map(Vec::as_slice).chain([channel]).collect();
     let fit = regressed(&all);
-    let along = |row: usize| -> f64 { (0..3).map(|i| fit.coefficient(i) * slopes[i][row]).sum() };
-    (0..channel.len()).map(|row| -along(row)).collect()
+    std::array::from_fn(|component| fit.coefficient(component))
+}
+
+/// What an answer makes of three components.
+pub fn along(components: &[Vec<f64>; 3], answer: &[f64; 3]) -> Vec<f64> {
+    let of = |row: usize| (0..3).map(|component| answer[component] * components[component][row]).sum();
+    (0..components[0].len()).map(of).collect()
 }
 
 /// White variance of what a regression of changes on changes leaves.

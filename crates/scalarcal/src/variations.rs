@@ -5,6 +5,7 @@
 use common::number::{counted, significant, uncertain};
 use common::{Axis, Document, Noise, Quantity, ScalarCalibration, ScalarParameter};
 use explain::{Cause, Covariate};
+use paired::Asked;
 use paired::magnitude::{Level, Readings};
 use physics::{Basic, Unit};
 
@@ -31,7 +32,8 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     let ids: Vec<String> = series.iter().map(|one| one.id.clone()).collect();
     let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
     let covariates: Vec<Covariate> = joined::beside(document, &ids).into_iter().map(of).collect();
-    let of = paired::find(&readings.pair(&level), covariates.clone(), false, &|_| ())?.explained(&|_| ())?;
+    let asked = Asked { covariates: covariates.clone(), ..Asked::default() };
+    let of = paired::find(&readings.pair(&level), asked, &|_| ())?.explained(&|_| ())?;
     let (base, last) = (&of.explained.base[0], of.problem.base.len());
     let level = level.fitted(base, last);
     let slope_std: [f64; 3] = std::array::from_fn(|axis| base[axis].1);
@@ -137,7 +139,7 @@ fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<String> 
                 said.push(format!("the rest follows `{name}` by {} nT/{unit}", uncertain(value, std)));
             }
             Cause::Time => said.push("the rest drifts with time".into()),
-            Cause::Clock => {}
+            Cause::Clock | Cause::Course(_) => {}
         }
     }
     if let Some(clock) = &of.clock {

@@ -169,7 +169,9 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
 
     def works(s: float) -> np.ndarray:
         moment = host.series.start_s + host.time_s
-        return s * np.outer(np.clip(2 * (5 - np.abs(moment / 3600 % 24 - 12)), 0, 1) * ((moment // DAY_S + 3) % 7 < 5), vector)
+        hour = moment / 3600 % 24
+        runs = np.clip(2 * (4.25 - np.abs(hour - 12.25)), 0, 1) - np.clip(4 * (0.5 - np.abs(hour - 12.5)), 0, 1)
+        return s * np.outer(runs * ((moment // DAY_S + 3) % 7 < 5), vector)
 
     def passes(s: float) -> np.ndarray:
         r = np.outer((host.time_s - at) / (2 * turns * step), along) + across
@@ -177,8 +179,8 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
         return s * (3 * (r @ vector)[:, None] * r / length**5 - vector / length**3)
     late, follows, time, moments, field = "late_response", "follows_column", "time", "moments", {"field"}
     members = {
-        # Two equal poles of s in sum: Auster et al. 2008, Space Sci. Rev. 141, 235.
-        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, b, s / 2), s / 2) - b, lambda s: {"lag_s": s, "delay_s": s}, ("delay",)),
+        # Three equal poles of s in sum: Auster et al. 2008, Space Sci. Rev. 141, 235.
+        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, relaxed(t, b, s / 3), s / 3), s / 3) - b, lambda s: {"lag_s": s, "delay_s": s}, ("delay",)),
         # δ = B(t − s) − B(t): Primdahl 1979, J. Phys. E 12, 241; of all sensors: INTERMAGNET Technical Reference Manual.
         "delay": Effect(late, field, lambda s: moved(s)[:, sensor], lambda s: {"lag_s": s, "delay_s": s}, ("loop_bandwidth",)),
         "clock_offset": Effect(late, field, lambda s: moved(sign * s), lambda s: {"offset_s": sign * s}),
@@ -191,19 +193,21 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
                           lambda s: {"amplitude_nt": s, "time_constant_s": tau}),
         "ageing": Effect(time, set(), lambda s: s / DAY_S * (t - 0.05 * t**2 / span), lambda s: {"rate_nt_per_day": s}),
         "reading_step": Effect(time, set(), lambda s: s * (rows >= row), lambda s: {"height_nt": s, "time_s": at}),
-        # A field from 7 to 17 h, Monday to Friday, that comes and goes in half an hour: Lowes 2009, Earth Planets Space 61, i.
+        # A field from 8 to 16.5 h with a break at noon, Monday to Friday, that comes and goes: Lowes 2009, Earth Planets Space 61, i.
         "working_hours": Effect(time, {"day"}, works),
-        # One reading jumps, and the next rings by a tenth; a channel holds its value for 20 s samples.
+        # One reading jumps, and the next rings by a tenth; a channel holds its value twice, for 10 s samples each.
         "spike": Effect(moments, set(), lambda s: s * ((rows == row) - 0.1 * (rows == row + 1)), lambda s: {"height_nt": s, "time_s": at}),
-        "dropout": Effect(moments, set(), lambda s: (m[row] - m) * ((rows >= row) & (rows < row + 20 * s)), lambda s: {"time_s": at}),
+        "dropout": Effect(moments, set(), lambda s: sum((m[r] - m) * ((rows >= r) & (rows < r + 10 * s)) for r in (row // 2, row)),
+                          lambda s: {"time_s": at}),
         # A dipole p on a straight path, r the way to the sensor: 3 (p·r) r / r⁵ − p / r³: Jackson, Classical Electrodynamics.
         "vehicle_pass": Effect(moments, {"quick"}, passes),
-        # One frequency of a machine near by; what it is an alias of is open.
-        "periodic_field": Effect("lines", set(), lambda s: s * np.outer(np.sin(2 * np.pi * t / (3 * turns * step)), vector),
+        # One frequency of a machine near by, with a third of it at its double; what it is an alias of is open.
+        "periodic_field": Effect("lines", set(), lambda s: s * np.outer(sum(np.sin(k * 2 * np.pi * t / (3 * turns * step) + k**2) / (2 * k - 1)
+                                                                           for k in (1, 2)), vector),
                                  lambda s: {"frequency_hz": 1 / (3 * turns * step)}, ("mains", "traction_power")),
-        # δ = s round(M / s) − M; a bit of a wrong weight, s more wherever it is set: IEEE Std 1241.
-        "quantisation": Effect("codes", set(), lambda s: s * np.round(m / s) - m, lambda s: {"width_nt": s}),
-        "differential_nonlinearity": Effect("codes", field, lambda s: s * (m * turns / np.ptp(m) % 1 > 0.5)),
+        # δ = s floor(M / s) − M; the fine part of a converter in two steps is s too long: IEEE Std 1241.
+        "quantisation": Effect("codes", set(), lambda s: s * np.floor(m / s) - m, lambda s: {"width_nt": s}),
+        "differential_nonlinearity": Effect("codes", field, lambda s: s * (m * turns / np.ptp(m) % 1)),
     }
     # δ = s (T − T_ref), a little bent, or late by two bodies: NASA CR-156638, eq. 29; Primdahl 1979.
     for name, column in (("offset_temperature", "sensor_temperature_c"), ("offset_electronics_temperature", "electronics_temperature_c")):

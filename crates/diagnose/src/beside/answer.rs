@@ -26,7 +26,7 @@ pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
         ),
         Verdict::Ambiguous => {
             let sets: Vec<String> = diagnosis.ambiguity.iter().map(|set| set.join(" with ")).collect();
-            format!("{} explain it equally well: {}; {with}, {falls}", what, sets.join(" or "))
+            format!("what {what} reads has several explanations: {}; {with}, {falls}", sets.join(" or "))
         }
         _ => {
             let named: Vec<String> = diagnosis.effects.iter().take(HEAD).map(sized).collect();

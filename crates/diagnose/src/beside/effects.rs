@@ -1,11 +1,13 @@
 //! The causes that were found, as effects of the document.
 
-use common::{ExplainedEffect, ListedEffect, Quantity};
+use common::{Axis, ExplainedEffect, ListedEffect, Quantity};
 use explain::{Amplitude, Cause, Form};
 use indexmap::IndexMap;
+use paired::events::FoundEvent;
 use physics::Kind;
 
-use super::{Compared, rms};
+use super::frozen::Frozen;
+use super::{Compared, rms, unrecorded};
 
 /// All that explains something, the largest first.
 pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
@@ -18,6 +20,14 @@ pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
         .collect();
     effects.extend(clock(compared));
     effects.extend(steps(compared));
+    effects.extend(spikes(compared));
+    effects.extend(frozen(compared));
+    let known = |axis: Option<Axis>| {
+        effects.iter().any(|one| one.effect == Kind::Quantisation.name() && one.sensor == axis)
+    };
+    let coarse: Vec<ExplainedEffect> =
+        coarse(compared).into_iter().filter(|one| !known(one.sensor)).collect();
+    effects.extend(coarse);
     effects.sort_by(|a, b| b.share.unwrap_or(0.0).total_cmp(&a.share.unwrap_or(0.0)));
     effects
 }
@@ -35,6 +45,11 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         Cause::Covariate(number) => Some(compared.covariates[number].clone()),
         _ => None,
     };
+    let sensor = match one.cause {
+        Cause::Course(_) => unrecorded::sensor(compared, one.cause),
+        Cause::Time => alone(compared, one.channels.iter().filter_map(|sizes| sizes.first())),
+        _ => None,
+    };
     let about = kind(compared, one.cause, one.form).about();
     let follows = match &column {
         Some(column) => format!("follows {column}"),
@@ -45,15 +60,20 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         effect: about.name.into(),
         title: match &column {
             Some(_) => format!("{} {follows}{}", compared.what, paired::lateness(&form)),
-            None => follows,
+            None => sensor.map_or(follows.clone(), |axis| format!("{follows} (sensor {axis})")),
         },
+        sensor,
         physics: about.physics.into(),
         equation: about.equation.into(),
         source: about.source.into(),
         parameters: parameters(compared, one, column.as_deref()),
         column,
         p_adjusted: (-explained.gains[number]).exp().min(1.0),
-        probability: Some(explained.probabilities[number].min(1.0)),
+        // A delay and a loop are as probable.
+        probability: Some(
+            explained.probabilities[number].min(1.0)
+                * unrecorded::loop_name(compared, one.cause).map_or(1.0, |_| 0.5),
+        ),
         share: Some((contribution / before).min(1.0)),
         held_out_gain_nt: explained.held_out_gains[number],
         visible_fraction: 1.0,
@@ -70,6 +90,7 @@ pub fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
             Kind::StrayCurrent
         }
         Cause::Covariate(_) => Kind::Dependence,
+        Cause::Course(_) => unrecorded::kind(compared, cause).unwrap_or(Kind::Empirical),
         Cause::Time if form.late_s > 0.0 => Kind::WarmUp,
         Cause::Time => Kind::Ageing,
         Cause::Clock => Kind::ClockOffset,
@@ -77,6 +98,9 @@ pub fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
 }
 
 fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> IndexMap<String, Quantity> {
+    if let Cause::Course(_) = one.cause {
+        return unrecorded::parameters(compared, one);
+    }
     let mut all = IndexMap::new();
     let of_axis = |channel: usize| match compared.channels[channel].1 {
         Some(axis) => axis.to_string(),
@@ -117,7 +141,109 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
     all
 }
 
-fn times(quantity: &Quantity, by: f64) -> Quantity {
+/// Readings that freeze, as one effect for each sensor.
+fn frozen(compared: &Compared) -> Vec<ExplainedEffect> {
+    let of = |axis: Axis| {
+        let listed = |frozen: &Frozen| {
+            let moments = [("time_s", frozen.time_s), ("duration_s", frozen.duration_s)];
+            let parameters = moments.map(|(name, value)| (name.to_string(), Quantity::Bare(value)));
+            ListedEffect { parameters: IndexMap::from(parameters), ..ListedEffect::default() }
+        };
+        let own = compared.frozen.iter().filter(|frozen| frozen.axis == axis);
+        found_apart(compared, Kind::Dropout, own.map(listed).collect(), Some(axis))
+    };
+    Axis::ALL.into_iter().filter_map(of).collect()
+}
+
+/// Rounding that is at least this share of what is left explains it.
+const ROUNDING: f64 = 0.3;
+
+/// Coarse codes whose rounding is a good part of what is left, as one effect for each sensor.
+fn coarse(compared: &Compared) -> Vec<ExplainedEffect> {
+    let explained = &compared.explained;
+    let of = |&(axis, width): &(Axis, f64)| {
+        let channel = compared.channels.iter().position(|(_, own)| own.is_none_or(|own| own == axis))?;
+        // Beside a magnitude by what the sensor shows in it.
+        let shows = compared.channels[channel].1.map_or(explained.base[channel][axis.index()].0, |_| 1.0);
+        let share = (width * shows / rms(&explained.residual[channel])).powi(2) / 12.0;
+        let parameters = IndexMap::from([("width_nt".to_string(), Quantity::Bare(width))]);
+        let listed = ListedEffect { parameters, ..ListedEffect::default() };
+        let found = found_apart(compared, Kind::Quantisation, vec![listed], Some(axis))?;
+        (share >= ROUNDING).then(|| ExplainedEffect { share: Some(share.min(1.0)), ..found })
+    };
+    compared.coarse.iter().filter_map(of).collect()
+}
+
+/// A reading stands alone where it is off by so many times the largest of what else is left.
+const ALONE: f64 = 2.0;
+
+/// Single readings that stand alone, as one effect for each sensor; beside a magnitude they may be of any.
+fn spikes(compared: &Compared) -> Vec<ExplainedEffect> {
+    let left = |channel: usize| {
+        compared.explained.residual[channel].iter().fold(0.0_f64, |most, left| most.max(left.abs()))
+    };
+    let of_channel = |channel: usize| {
+        let own = |event: &&FoundEvent| {
+            (compared.channels.len() == 1 || event.axis == channel)
+                && event.size.abs() > ALONE * left(channel)
+        };
+        let own = compared.spikes.iter().filter(own);
+        let listed = |event: &FoundEvent| {
+            let height = ("height_nt".to_string(), Quantity::new(event.size, event.std));
+            let time = ("time_s".to_string(), Quantity::Bare(compared.frame.time_s(event.from)));
+            ListedEffect { parameters: IndexMap::from([height, time]), ..ListedEffect::default() }
+        };
+        found_apart(compared, Kind::Spike, own.map(listed).collect(), compared.channels[channel].1)
+    };
+    (0..compared.channels.len()).filter_map(of_channel).collect()
+}
+
+/// What was found at moments, as one effect; None where there is nothing.
+fn found_apart(
+    compared: &Compared,
+    kind: Kind,
+    mut list: Vec<ListedEffect>,
+    sensor: Option<Axis>,
+) -> Option<ExplainedEffect> {
+    let parameters = match list.len() {
+        0 => return None,
+        1 => list.remove(0).parameters,
+        _ => IndexMap::new(),
+    };
+    let about = kind.about();
+    Some(ExplainedEffect {
+        effect: about.name.into(),
+        title: match sensor {
+            Some(axis) => format!("{} (sensor {axis})", about.title),
+            None => format!("{}: {}", compared.what, about.title),
+        },
+        physics: about.physics.into(),
+        equation: about.equation.into(),
+        source: about.source.into(),
+        sensor,
+        parameters,
+        list,
+        p_adjusted: 0.0,
+        probability: Some(1.0),
+        visible_fraction: 1.0,
+        ..ExplainedEffect::default()
+    })
+}
+
+/// The one sensor in which something shows; None where it does in more, or may.
+fn alone<'q>(compared: &Compared, sizes: impl Iterator<Item = &'q Quantity>) -> Option<Axis> {
+    let over = |size: &Quantity| size.std().map_or(0.0, |std| (size.value() / std).abs());
+    let over: Vec<f64> = sizes.map(over).collect();
+    let shows: Vec<usize> = (0..over.len()).filter(|channel| over[*channel] > MAY_SHOW).collect();
+    let [channel] = shows[..] else { return None };
+    compared.channels[channel].1.filter(|_| over[channel] > SHOWS)
+}
+
+/// Uncertainties from which on something shows in a sensor, and from which on it may.
+const SHOWS: f64 = 4.0;
+const MAY_SHOW: f64 = 2.6;
+
+pub fn times(quantity: &Quantity, by: f64) -> Quantity {
     match quantity.std() {
         Some(std) => Quantity::new(quantity.value() * by, std * by),
         None => Quantity::Bare(quantity.value() * by),
@@ -169,7 +295,6 @@ fn steps(compared: &Compared) -> Option<ExplainedEffect> {
     if steps.is_empty() {
         return None;
     }
-    let kind = Kind::ReadingStep;
     let listed = |step: &explain::Step| {
         let mut parameters = IndexMap::new();
         for (channel, (size, std)) in step.sizes.iter().enumerate() {
@@ -182,19 +307,15 @@ fn steps(compared: &Compared) -> Option<ExplainedEffect> {
         parameters.insert("time_s".into(), Quantity::Bare(compared.time_s[step.row]));
         ListedEffect { parameters, ..ListedEffect::default() }
     };
-    let mut list: Vec<ListedEffect> = steps.iter().map(listed).collect();
-    let parameters = if list.len() == 1 { list.remove(0).parameters } else { IndexMap::new() };
-    Some(ExplainedEffect {
-        effect: kind.name().into(),
-        title: format!("{} steps", compared.what),
-        physics: kind.about().physics.into(),
-        equation: kind.about().equation.into(),
-        source: kind.about().source.into(),
-        parameters,
-        list,
-        p_adjusted: 0.0,
-        probability: Some(1.0),
-        visible_fraction: 1.0,
-        ..ExplainedEffect::default()
-    })
+    let of_steps: Vec<Option<Axis>> = steps
+        .iter()
+        .map(|step| {
+            let sizes: Vec<Quantity> =
+                step.sizes.iter().map(|(size, std)| Quantity::new(*size, *std)).collect();
+            alone(compared, sizes.iter())
+        })
+        .collect();
+    let sensor =
+        of_steps.first().copied().flatten().filter(|axis| of_steps.iter().all(|own| *own == Some(*axis)));
+    found_apart(compared, Kind::ReadingStep, steps.iter().map(listed).collect(), sensor)
 }

@@ -38,7 +38,10 @@ pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<Explained
             .collect();
         let certain = members.iter().map(|member| member.probability).fold(0.0, f64::max);
         members.extend(weighed.iter().map(|cause| FamilyMember {
-            effect: format!("{} {}", kind(*cause).name(), compared.name(*cause)),
+            effect: match cause {
+                Cause::Course(_) => compared.name(*cause),
+                _ => format!("{} {}", kind(*cause).name(), compared.name(*cause)),
+            },
             probability: weight(&[*cause]),
         }));
         members.retain(|member| member.probability >= LEAST);

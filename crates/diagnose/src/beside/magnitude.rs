@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use paired::magnitude::Readings;
 use physics::{Setting, Unit};
 
-use super::{Compared, rms};
+use super::{Compared, coarse, frozen, rms};
 use crate::Error;
 use crate::channel::{Channel, Reader};
 use crate::observed::Observed;
@@ -13,6 +13,7 @@ use crate::observed::Observed;
 /// Explains what the magnitude leaves, where the recordings do not determine the sensors one by one; None for
 /// other documents.
 pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compared>, Error> {
+    let (frozen, document) = &frozen::without(document);
     let Ok(gathered) = joined::gathered(document) else { return Ok(None) };
     let (notes, document) = match &gathered {
         Some(gathered) => (gathered.told.clone(), &gathered.document),
@@ -32,7 +33,8 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     let recordings: Vec<String> = observed.runs.iter().map(|run| run.recording.id.clone()).collect();
     let covariates = super::covariates(document, &recordings);
     let found = rows.level()?;
-    let of = paired::find(&rows.pair(&found), covariates.clone(), false, told)?.explained(told)?;
+    let of = paired::find(&rows.pair(&found), super::asked(document, &recordings, &covariates), told)?
+        .explained(told)?;
     let found = found.fitted(&of.explained.base[0], of.problem.base.len());
     let (scale, added) = found.main_field(std::array::from_fn(|axis| of.explained.base[0][axis].1));
     let volts = observed.runs.iter().any(|run| run.setting.context.unit == Unit::Volt);
@@ -47,6 +49,8 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
         what: "the scalar magnetometer beside the sensors",
         as_it_came: vec![rms(&as_it_came)],
         notes,
+        coarse: coarse::widths(document),
+        frozen: frozen.clone(),
         main_field: Some((volts, scale, added.map(|(value, std)| Quantity::new(value, std)))),
         ..Compared::of(&covariates, of)
     }))

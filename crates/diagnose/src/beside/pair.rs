@@ -5,15 +5,17 @@ use joined::Pair;
 
 use super::declared::Declared;
 use super::stated::less_effects;
-use super::{Compared, rms};
+use super::{Compared, coarse, frozen, rms};
 use crate::Error;
 
 /// Explains the difference of the instruments of a document's differential recordings.
 pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Error> {
-    let document = &less_effects(document)?;
+    let (frozen, document) = frozen::without(document);
+    let document = &less_effects(&document)?;
     let read = joined::read(document)?;
     let covariates = super::covariates(document, &read.recordings);
-    let of = paired::find(&read, covariates.clone(), false, told)?.explained(told)?;
+    let of =
+        paired::find(&read, super::asked(document, &read.recordings, &covariates), told)?.explained(told)?;
     let as_it_came = (0..3).map(|axis| rms(&stated(document, &read, axis, &of.rows))).collect();
     let channels = Axis::ALL.iter().map(|axis| (format!("test_{axis}_nt"), Some(*axis))).collect();
     let instruments = document.instrument.as_ref().zip(read.reference_noise.as_ref());
@@ -26,6 +28,8 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Er
         what: "the test instrument",
         as_it_came,
         notes: read.told,
+        coarse: coarse::widths(document),
+        frozen,
         ..Compared::of(&covariates, of)
     })
 }

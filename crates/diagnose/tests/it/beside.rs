@@ -1,6 +1,6 @@
 //! Pairs and variometers beside a scalar magnetometer, each with one cause that least squares finds at once.
 
-use common::{Diagnosis, Document, Quantity, Verdict};
+use common::{Axis, Diagnosis, Document, Quantity, Verdict};
 use diagnose::Options;
 use noise::Stream;
 use serde_json::{Value, json};
@@ -167,6 +167,90 @@ fn a_clock_that_gains_is_no_offset() {
     let std = rate.std().expect("an uncertainty");
     assert!((rate.value() - 500.0).abs() < 4.0 * std && std < 50.0, "{rate}");
     assert!(found.answer.contains("the clock of the test instrument gains"), "{}", found.answer);
+}
+
+/// What was not recorded: each is named with its sensor, and its size found.
+#[test]
+fn lines_late_sensors_codes_and_bits_are_named() {
+    let white = [0.02, 0.1];
+    let line = |row: usize| {
+        let phase = TAU * row as f64 / 17.3;
+        [0.3 * phase.sin(), 0.2 * phase.cos(), -0.1 * phase.sin()]
+    };
+    let found = entry(Pair::new(31).document(&[], line, white));
+    assert_eq!(names(&found), [("periodic_field", None)], "{}", found.answer);
+    let [hz, sine] = ["frequency_hz", "x_sine_nt"].map(|name| &found.effects[0].parameters[name]);
+    let apart = (hz.value() - 1.0 / (17.3 * STEP_S)).abs();
+    assert!(apart < 4.0 * hz.std().expect("an uncertainty") && apart < 1e-7, "{hz}");
+    near(sine, 0.3);
+
+    // Of a field whose rate is that from row to row.
+    let mut pair = Pair::new(32);
+    let walk = pair.field.clone();
+    for (row, field) in pair.field.iter_mut().enumerate() {
+        let around = &walk[row.saturating_sub(10)..(row + 11).min(ROWS)];
+        *field = [0, 1, 2].map(|axis| around.iter().map(|b| b[axis]).sum::<f64>() / around.len() as f64);
+    }
+    let field = pair.field.clone();
+    let late = |row: usize| {
+        let next = field[(row + 1).min(ROWS - 1)][2];
+        [0.0, 0.0, 0.5 * 0.4 * (field[row.saturating_sub(1)][2] - next)]
+    };
+    let found = entry(pair.document(&[], late, [0.002, 0.005]));
+    assert_eq!(sensors(&found), [("delay", Some(Axis::Z))], "{}", found.answer);
+    assert_eq!(found.ambiguity, [["delay z"], ["loop_bandwidth z"]], "{}", found.answer);
+    let delay = &found.effects[0].parameters["delay_s"];
+    let std = delay.std().expect("an uncertainty");
+    assert!((delay.value() - 0.4 * STEP_S).abs() < 4.0 * std + 0.02 * STEP_S && std < 2.0, "{delay}");
+
+    let pair = Pair::new(33);
+    let field = pair.field.clone();
+    let reading =
+        move |row: usize, axis: usize| 1.001 * field[row][axis] + 0.004 * field[row][(axis + 1) % 3] + 12.0;
+    let bit =
+        |row: usize| [0.5 * f64::from(u8::from((reading(row, 0) / 6.0).rem_euclid(1.0) < 0.5)), 0.0, 0.0];
+    let found = entry(pair.document(&[], bit, [0.005, 0.05]));
+    // The bit, or odd harmonics of it.
+    let named = sensors(&found);
+    let right = |one: &&(&str, Option<Axis>)| **one == ("differential_nonlinearity", Some(Axis::X));
+    assert!(!named.is_empty() && named.iter().filter(right).count() == named.len(), "{}", found.answer);
+    for effect in &found.effects {
+        let times = 6.0 / effect.parameters["period_nt"].value();
+        assert!((times - times.round()).abs() < 0.02 && times.round() as i32 % 2 == 1, "{}", found.answer);
+    }
+}
+
+/// What happened to the test instrument's readings themselves.
+#[test]
+fn codes_frozen_readings_and_spikes_are_named() {
+    let altered = |alter: &dyn Fn(usize, f64) -> f64| {
+        let mut document = Pair::new(34).document(&[], |_| [0.0; 3], [0.02, 0.1]);
+        let column = document.recordings[0].columns.get_mut("test_y_nt").expect("readings");
+        let held: Vec<f64> = column.iter().enumerate().map(|(row, value)| alter(row, *value)).collect();
+        *column = held.into();
+        entry(document)
+    };
+    let nothing = altered(&|_, value| value);
+    assert_eq!((nothing.verdict, names(&nothing)), (Verdict::Agrees, vec![]), "{}", nothing.answer);
+    let coarse = altered(&|_, value| 1.7 * (value / 1.7).round());
+    assert_eq!(sensors(&coarse), [("quantisation", Some(Axis::Y))], "{}", coarse.answer);
+    assert!((coarse.effects[0].parameters["width_nt"].value() - 1.7).abs() < 0.01, "{}", coarse.answer);
+    let first = std::cell::Cell::new(0.0);
+    let frozen = altered(&|row, value| {
+        first.set(if (600..630).contains(&row) { first.get() } else { value });
+        first.get()
+    });
+    assert_eq!(sensors(&frozen), [("dropout", Some(Axis::Y))], "{}", frozen.answer);
+    let parameters = &frozen.effects[0].parameters;
+    let [from, lasts] = ["time_s", "duration_s"].map(|name| parameters[name].value() / STEP_S);
+    assert_eq!((from, lasts), (599.0, 30.0));
+    let spike = altered(&|row, value| if row == 700 { value + 5.0 } else { value });
+    assert_eq!(sensors(&spike), [("spike", Some(Axis::Y))], "{}", spike.answer);
+    assert!((spike.effects[0].parameters["height_nt"].value() - 5.0).abs() < 0.5, "{}", spike.answer);
+}
+
+fn sensors(entry: &Diagnosis) -> Vec<(&str, Option<Axis>)> {
+    entry.effects.iter().map(|effect| (effect.effect.as_str(), effect.sensor)).collect()
 }
 
 /// A current that is known by its power: one name, and no steps.

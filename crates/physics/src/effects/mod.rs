@@ -43,7 +43,7 @@ pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
 pub use sites::{InductionDifference, MeasuredTilt, PillarGradient, PillarSettling, PillarTilt};
 pub use spacecraft::{ReactionWheel, ReactionWheelHarmonic, StrayCurrent};
 pub use sun::{SunThermoelectric, SunThermoelectricHarmonics};
-pub use surroundings::{VehiclePass, WorkingHours};
+pub use surroundings::{VehiclePass, WorkingHours, machines_run};
 pub use temperature::{
     OffsetElectronicsTemperature, OffsetElectronicsTemperatureLag, OffsetTemperature, OffsetTemperatureLag,
     SensitivityElectronicsTemperature, SensitivityElectronicsTemperatureLag, SensitivityTemperature,

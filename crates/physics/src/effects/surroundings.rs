@@ -52,6 +52,11 @@ impl Effect for VehiclePass {
     }
 }
 
+/// Whether machines run at a local time, s: from Monday to Friday, from 7 h to 17 h or so many hours later and earlier.
+pub fn machines_run(local_s: f64, slack_h: f64) -> bool {
+    is_weekday(local_s) && (7.0 + slack_h..17.0 - slack_h).contains(&hour_of_day(local_s))
+}
+
 /// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`, or as
 /// much later and earlier as the slack says.
 pub struct WorkingHours;
@@ -82,8 +87,7 @@ impl Effect for WorkingHours {
         let vector = Vector3::from_column_slice(&parameters[..3]);
         let slack_h = parameters[3].re() / 3600.0;
         for (field, t) in signal.iter_mut().zip(time) {
-            let local = start + t;
-            if is_weekday(local) && (7.0 + slack_h..17.0 - slack_h).contains(&hour_of_day(local)) {
+            if machines_run(start + t, slack_h) {
                 *field += vector;
             }
         }

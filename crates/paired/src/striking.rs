@@ -1,0 +1,182 @@
+//! What is striking in what is left of a pair: a line, and what repeats along a reading.
+
+use estimate::sine::{Series, Strongest, strongest};
+use estimate::{Error, dot, stats};
+use explain::{Explained, Problem, filter};
+use noise::Whitening;
+
+use crate::courses::{Acting, Sensors, Uneven, bit, coarse, range, waves};
+
+/// Periods of a line that must have been seen: fewer are a course of the day or of what is repeated.
+const CYCLES: f64 = 10.0;
+/// Frequencies tried for each Fourier frequency.
+const OVERSAMPLED: usize = 3;
+/// What is as strong by chance in so many searches is weighed.
+const BY_CHANCE: f64 = 0.01;
+/// Most cells along a reading, and cells in the shortest period.
+const CELLS: usize = 1 << 18;
+const FINE: f64 = 2.0;
+/// Period over the standard deviation of what is left below which codes do not show.
+const BLURRED: f64 = 2.0;
+/// Periods that a reading must go through.
+const PERIODS: f64 = 2.5;
+/// Widths tried about one that was found, to either side, over the distance in which all codes slip by one.
+const WIDTHS: i32 = 32;
+/// Phases of a bit that are tried.
+const PHASES: i32 = 16;
+
+/// What is left of a channel.
+struct Left<'a> {
+    left: &'a [f64],
+    /// By the filter of its own spectrum, of variance one, and what it was divided by.
+    filter: Whitening,
+    white: Vec<f64>,
+    size: f64,
+    /// What is in the readings, and each part of them that has a cause.
+    read: Vec<f64>,
+    parts: Vec<&'a [f64]>,
+}
+
+impl<'a> Left<'a> {
+    /// None where it is too short for a spectrum.
+    fn of(problem: &Problem, explained: &'a Explained, channel: usize) -> Result<Option<Self>, Error> {
+        let left = &explained.residual[channel];
+        let Some(filter) = filter(&problem.time_s, left, problem.step_s())? else { return Ok(None) };
+        let mut white = filter.whiten(left);
+        let size = (dot(&white, &white) / white.len() as f64).sqrt();
+        white.iter_mut().for_each(|value| *value /= size);
+        let read: Vec<f64> = problem.channels[channel].iter().zip(left).map(|(y, left)| y - left).collect();
+        let middle = stats::mean(&read);
+        let read = read.iter().map(|value| value - middle).collect();
+        let parts = explained.contributions.iter().map(|of| of[channel].as_slice()).collect();
+        Ok(Some(Self { left, filter, white, size, read, parts }))
+    }
+
+    /// Sine and cosine parts of a series, whitened in the same way.
+    fn wave_of(&self, waves: &[Vec<f64>; 2], series: &[f64]) -> [f64; 2] {
+        let white = self.filter.whiten(series);
+        waves.each_ref().map(|wave| dot(wave, &white) / self.size)
+    }
+}
+
+/// A line, and what repeats along the reading in which most does, each with the number of alike ones among which it was
+/// found.
+///
+/// # Errors
+///
+/// Times out of order.
+pub fn striking(
+    problem: &Problem,
+    sensors: &Sensors,
+    explained: &Explained,
+) -> Result<Vec<(Acting, f64)>, Error> {
+    let all = (0..problem.channels.len()).map(|channel| Left::of(problem, explained, channel));
+    let Some(all) = all.collect::<Result<Option<Vec<Left<'_>>>, Error>>()? else { return Ok(Vec::new()) };
+    let mut found: Vec<(Acting, f64)> = line(problem, &all).into_iter().collect();
+    let codes = (0..sensors.count()).filter_map(|sensor| {
+        let along = sensors.predicted(problem, sensor, &explained.residual);
+        codes(sensors, sensor, &along, &all[sensors.channel(sensor).unwrap_or(0)])
+    });
+    found.extend(codes.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, codes)| codes).unwrap_or_default());
+    Ok(found)
+}
+
+/// The strongest line that is neither a share of the field, as noise of the reference leaves one, in its phase, nor a part
+/// of something that is known and has more of it.
+fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(Acting, f64)> {
+    let (step_s, length_s) = (problem.step_s(), problem.length_s());
+    let weight = 2.0 / problem.rows() as f64;
+    let series: Vec<Series<'_>> =
+        all.iter().map(|own| Series { x: problem.time_s.clone(), y: &own.white, weight }).collect();
+    let points = (2 * OVERSAMPLED * (length_s / step_s) as usize).next_power_of_two();
+    let found = strongest(&series, 0.5 * step_s, points, (CYCLES / length_s, 0.5 / step_s))?;
+    let looks = found.band * length_s;
+    let shows = |gain: f64, freedom: usize| looks * stats::chi_squared_p(gain, freedom as f64) < BY_CHANCE;
+    let waves = waves(&problem.time_s, found.frequency);
+    let size = |[sine, cosine]: [f64; 2]| sine.hypot(cosine);
+    let own = |of: &Left<'_>| waves.each_ref().map(|wave| dot(wave, &of.white));
+    let quadrature: f64 = all
+        .iter()
+        .map(|of| {
+            let (own, read) = (own(of), of.wave_of(&waves, &of.read));
+            weight * ((own[0] * read[1] - own[1] * read[0]) / size(read)).powi(2)
+        })
+        .sum();
+    let most = all.iter().max_by(|a, b| size(own(a)).total_cmp(&size(own(b))))?;
+    let less = |series: &[f64]| size(most.wave_of(&waves, series)) < size(own(most));
+    let own_line =
+        (shows(quadrature, all.len()) || less(&most.read)) && most.parts.iter().all(|part| less(part));
+    (shows(found.power, 2 * all.len()) && own_line).then_some((Acting::Line(found.frequency), looks))
+}
+
+/// What repeats along a sensor's reading: by how much it lowers the sum of squares, and what it may be.
+fn codes(
+    sensors: &Sensors,
+    sensor: usize,
+    along: &[f64],
+    of: &Left<'_>,
+) -> Option<(f64, Vec<(Acting, f64)>)> {
+    // C⁻¹ r, so that its product with a column is that of both whitened.
+    let y: Vec<f64> = of.filter.whiten_transposed(&of.white);
+    let Strongest { frequency, band, .. } = repeats(along, of.left, &y)?;
+    let looks = band * range(along) * sensors.count() as f64;
+    let period_nt = 1.0 / frequency;
+    let gain = explained(waves(along, frequency).iter().map(|wave| of.filter.whiten(wave)), &of.white);
+    if looks * stats::chi_squared_p(gain, 2.0) >= BY_CHANCE {
+        return None;
+    }
+    let slip = period_nt / range(along) * period_nt;
+    let near: Vec<f64> =
+        (-WIDTHS..=WIDTHS).map(|k| period_nt + slip * f64::from(k) / f64::from(WIDTHS)).collect();
+    let fit = |column: Vec<f64>| dot(&column, &y) / dot(&column, &column).sqrt();
+    let mut best = (f64::NEG_INFINITY, (period_nt, 0.0));
+    for width in &near {
+        for from in (0..PHASES).map(|k| f64::from(k) / f64::from(PHASES)) {
+            let fit = fit(bit(along, *width, from));
+            if fit > best.0 {
+                best = (fit, (*width, from));
+            }
+        }
+    }
+    let mut found = vec![(Acting::Uneven(sensor, Uneven { period_nt, bit: best.1 }), looks)];
+    // Beside a magnitude only the readings themselves are known, not what they were rounded from.
+    if sensors.channel(sensor).is_some() {
+        let fits = near.iter().map(|width| (fit(coarse(along, *width)), *width));
+        found.extend(
+            fits.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, width)| (Acting::Coarse(sensor, width), looks)),
+        );
+    }
+    Some((gain, found))
+}
+
+/// What is strongest along a reading.
+fn repeats(along: &[f64], left: &[f64], y: &[f64]) -> Option<Strongest> {
+    let changes: f64 = left.windows(2).map(|pair| (pair[1] - pair[0]).powi(2)).sum();
+    let std = (changes.min(2.0 * dot(left, left)) / (2.0 * left.len() as f64)).sqrt();
+    let (range, longest) = (range(along), range(along) / PERIODS);
+    let shortest = (BLURRED * std).max(2.0 * FINE * range / CELLS as f64);
+    if !(range > 0.0 && longest > 2.0 * shortest) {
+        return None;
+    }
+    let cell = shortest / FINE;
+    let points = ((2.0 * range / cell).ceil() as usize).next_power_of_two();
+    let series = [Series { x: along.to_vec(), y, weight: 2.0 / left.len() as f64 }];
+    strongest(&series, cell, points, (1.0 / longest, 1.0 / shortest))
+}
+
+/// By how much columns lower the sum of squares of white readings.
+fn explained(columns: impl Iterator<Item = Vec<f64>>, y: &[f64]) -> f64 {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for mut column in columns {
+        for known in &basis {
+            let part = dot(known, &column);
+            column.iter_mut().zip(known).for_each(|(value, known)| *value -= part * known);
+        }
+        let size = dot(&column, &column).sqrt();
+        if size > 0.0 {
+            column.iter_mut().for_each(|value| *value /= size);
+            basis.push(column);
+        }
+    }
+    basis.iter().map(|one| dot(one, y).powi(2)).sum()
+}
