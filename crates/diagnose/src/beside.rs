@@ -43,8 +43,9 @@ struct Compared {
     covariates: Vec<String>,
     /// Times of the rows that were explained, s, and the covariates there.
     time_s: Vec<f64>,
-    /// What the courses are, in which of their shapes lags are, and the channel in which each sensor shows alone.
+    /// What the engine's courses are.
     acting: Vec<Acting>,
+    /// Single disturbed readings, and readings that freeze.
     spikes: Vec<FoundEvent>,
     frozen: Vec<Frozen>,
     /// Sensors with coarse codes, and how wide these are, nT.

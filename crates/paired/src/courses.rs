@@ -37,8 +37,6 @@ pub struct Uneven {
 /// A course that is known beforehand, in some shapes.
 #[derive(Clone, Debug)]
 pub struct Given {
-    /// Its name.
-    pub name: String,
     /// Rising times of its samples, s.
     pub time_s: Vec<f64>,
     /// Its samples in each shape.

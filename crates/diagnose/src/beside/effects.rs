@@ -230,6 +230,10 @@ fn found_apart(
     })
 }
 
+/// Uncertainties from which on something shows in a sensor, and from which on it may.
+const SHOWS: f64 = 4.0;
+const MAY_SHOW: f64 = 2.6;
+
 /// The one sensor in which something shows; None where it does in more, or may.
 fn alone<'q>(compared: &Compared, sizes: impl Iterator<Item = &'q Quantity>) -> Option<Axis> {
     let over = |size: &Quantity| size.std().map_or(0.0, |std| (size.value() / std).abs());
@@ -239,10 +243,7 @@ fn alone<'q>(compared: &Compared, sizes: impl Iterator<Item = &'q Quantity>) -> 
     compared.channels[channel].1.filter(|_| over[channel] > SHOWS)
 }
 
-/// Uncertainties from which on something shows in a sensor, and from which on it may.
-const SHOWS: f64 = 4.0;
-const MAY_SHOW: f64 = 2.6;
-
+/// A quantity times a number.
 pub fn times(quantity: &Quantity, by: f64) -> Quantity {
     match quantity.std() {
         Some(std) => Quantity::new(quantity.value() * by, std * by),

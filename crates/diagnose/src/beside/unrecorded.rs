@@ -35,7 +35,6 @@ pub fn working_hours(document: &Document, recordings: &[String]) -> Option<Given
     let changes = all.iter().any(|(_, running)| running[0] != all[0].1[0]);
     let shape = |ramp: usize| all.iter().map(|(_, running)| running[ramp]).collect();
     changes.then(|| Given {
-        name: Kind::WorkingHours.name().into(),
         time_s: all.iter().map(|(t, _)| *t).collect(),
         shapes: (0..RAMPS_H.len()).map(shape).collect(),
     })
