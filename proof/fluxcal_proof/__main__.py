@@ -1,21 +1,17 @@
 """`python3 -m fluxcal_proof`: make, answer, score, and one case again."""
-from __future__ import annotations
-
 import argparse
 import json
 import sys
 from pathlib import Path
 
-from . import answer, cases, folder, page, score, table
+from . import answer, cases, folder, page, score
 
 
 def main() -> int:
-    """Runs one step."""
     parser = argparse.ArgumentParser(prog="fluxcal_proof", description=__doc__)
     steps = parser.add_subparsers(dest="step", required=True)
     make = steps.add_parser("make", help="make and seal a round in a new folder")
     make.add_argument("-o", "--output", type=Path, required=True)
-    make.add_argument("--set", choices=["develop", "score"], default="score")
     make.add_argument("--cases", type=int, default=1000)
     make.add_argument("--only", choices=["all", "campaigns", "pairs"], default="all")
     make.add_argument("--seed", type=int, help="absent: a random number of the operating system")
@@ -31,8 +27,9 @@ def main() -> int:
     one = steps.add_parser("case", help="make one case again")
     one.add_argument("--seed", type=int, required=True)
     one.add_argument("--number", type=int, required=True)
-    one.add_argument("--set", choices=["develop", "score"], default="score")
     one.add_argument("-o", "--output", type=Path, required=True)
+    for step in (make, one):
+        step.add_argument("--set", choices=["develop", "score"], default="score")
     options = parser.parse_args()
     try:
         if options.step == "make":
@@ -44,7 +41,7 @@ def main() -> int:
             answer.all_of(options.folder, options.programs, options.timeout)
         elif options.step == "score":
             scored = score.read(options.folder)
-            print(table.of(scored))
+            print(page.terminal(scored))
             if options.output:
                 page.write(scored, options.output)
         else:

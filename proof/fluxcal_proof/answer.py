@@ -1,6 +1,4 @@
 """Has each document answered by the programs and by the rivals, within a time, two at a time."""
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -15,7 +13,6 @@ from . import rivals
 
 # Large parts of an answer that no score reads.
 LEFT_OUT = ("series", "energy", "detectable", "experiments")
-Job = tuple[Path, str, Path, float]
 
 
 def run(command: list[str], timeout: float) -> tuple[dict[str, Any] | None, float, str]:
@@ -31,44 +28,31 @@ def run(command: list[str], timeout: float) -> tuple[dict[str, Any] | None, floa
     return json.loads(done.stdout), seconds, ""
 
 
-def readings(document: dict[str, Any]) -> np.ndarray:
-    """All sensors of all recordings in one row, missing ones as NaN."""
-    parts = [r["columns"][f"sensor_{k}_nt"] for r in document["recordings"] for k in "xyz"]
-    return np.concatenate([np.array(part, float) for part in parts])
-
-
-def coils(document: dict[str, Any]) -> bool:
-    """Whether it is a campaign in coils, whose readings can be predicted."""
-    return "axes" in document.get("calibration", {})
-
-
 def replayed(document: dict[str, Any], programs: Path, place: Path, timeout: float) -> np.ndarray | None:
-    """What an answer's calibration and model predict."""
+    """What an answer's calibration and model predict: all sensors of all recordings in one row, missing readings as NaN."""
     place.write_text(json.dumps(document))
     predicted, _, _ = run([str(programs / "simulate"), "replay", "-q", str(place)], timeout)
     place.unlink()
-    return readings(predicted) if predicted else None
+    return np.concatenate([np.array(r["columns"][f"sensor_{k}_nt"], float) for r in predicted["recordings"] for k in "xyz"]) if predicted else None
 
 
-def one(job: Job) -> tuple[str, float]:
-    """Answers a document and writes the answer."""
-    folder, name, programs, timeout = job
+def one(folder: Path, name: str, programs: Path, timeout: float) -> tuple[str, float]:
     path = folder / "documents" / f"{name}.json"
     given = json.loads(path.read_text())
-    pair = given["recordings"][0]["procedure"] == "differential"
     document, seconds, why = run([str(programs / "diagnose"), "-q", str(path)], timeout)
     answer: dict[str, Any] = {"seconds": seconds, "why_not": why, "entry": None}
     place, predictions = folder / "answers" / f"{name}.work.json", {}
     if document:
         answer["entry"] = {k: v for k, v in document["diagnosis"][0].items() if k not in LEFT_OUT}
-        if coils(given):
+        # Only of a campaign in coils can readings be predicted.
+        if "axes" in given.get("calibration", {}):
             predictions["diagnose"] = replayed(document, programs, place, timeout)
             if answer["entry"]["verdict"] == "explained":
                 predictions["empirical"] = predictions["diagnose"]
             elif answer["entry"]["verdict"] != "agrees":
                 more, answer["empirical_seconds"], _ = run([str(programs / "diagnose"), "-q", "--empirical", "--refit", str(path)], timeout)
                 predictions["empirical"] = replayed(more, programs, place, timeout) if more else None
-    if pair:
+    if given["recordings"][0]["procedure"] == "differential":
         document, answer["diffmag_seconds"], answer["diffmag_why_not"] = run([str(programs / "diffmag"), "-q", "--correct-clock", str(path)], timeout)
         answer["diffmag"] = document["calibration"]["differential"]["fit"] if document else None
     answer["rivals"] = rivals.all_of(given)
@@ -80,6 +64,6 @@ def one(job: Job) -> tuple[str, float]:
 def all_of(folder: Path, programs: Path, timeout: float) -> None:
     """Answers what has no answer yet."""
     rounds.refuse_if_opened(folder)
-    left = [name for name in rounds.names(folder) if not (folder / "answers" / f"{name}.json").exists()]
+    left = [name for name in sorted(json.loads((folder / "seals.json").read_text())["seals"]) if not (folder / "answers" / f"{name}.json").exists()]
     for done, (name, seconds) in enumerate(rounds.both(one, [(folder, name, programs, timeout) for name in left]), 1):
         print(f"{done} of {len(left)}: {name} {seconds:.1f} s", flush=True)

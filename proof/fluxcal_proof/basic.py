@@ -1,11 +1,13 @@
 """The basic model: what a calibration can take up, and what is left of an effect or of readings beside it."""
-from __future__ import annotations
-
 import numpy as np
 
 from .campaign import Campaign, Parts
 
-PIECES = 24
+
+def spanned(columns: np.ndarray) -> np.ndarray:
+    """An orthonormal basis of columns, whatever their units; what depends on the others counts once."""
+    u, sizes, _ = np.linalg.svd(columns / (np.linalg.norm(columns, axis=0) + 1e-300), full_matrices=False)
+    return u[:, sizes > 1e-9 * sizes[0]]
 
 
 class Basic:
@@ -20,16 +22,10 @@ class Basic:
             to_sensor = c.mu.T @ run.turn
             field = run.turn @ c.eta @ currents
             for s in range(3):
-                block = np.zeros((n, 24))
-                block[:, 3 * s:3 * s + 3] = field.T
-                block[:, 9 + s] = 1
-                block[:, 12:21] = np.concatenate([to_sensor[s, a] * currents.T for a in range(3)], 1)
-                block[:, 21:24] = to_sensor[s]
-                blocks.append(block)
-        a = np.concatenate(blocks)
-        a /= np.linalg.norm(a, axis=0) + 1e-300
-        u, sizes, _ = np.linalg.svd(a, full_matrices=False)
-        self.basis = u[:, sizes > 1e-9 * sizes[0]]
+                own = np.zeros((n, 12))
+                own[:, 3 * s:3 * s + 3], own[:, 9 + s] = field.T, 1
+                blocks.append(np.hstack([own, *(to_sensor[s, a] * currents.T for a in range(3)), np.tile(to_sensor[s], (n, 1))]))
+        self.basis = spanned(np.concatenate(blocks))
 
     def flat(self, parts: Parts) -> np.ndarray:
         """Values at instants (3, instants) of each recording as one row of readings that were kept."""
@@ -39,16 +35,11 @@ class Basic:
         """What no constant takes up."""
         return flat - self.basis @ (self.basis.T @ flat)
 
-    def worst(self, flat: np.ndarray) -> float:
-        """Rms in the sensor that has most of it."""
-        sums, counts, at = np.zeros(3), np.zeros(3), 0
-        for run in self.c.runs:
-            n = int(run.keep.sum())
-            for s in range(3):
-                sums[s] += np.sum(flat[at:at + n] ** 2)
-                counts[s], at = counts[s] + n, at + n
-        return float(np.sqrt((sums / counts).max()))
-
     def left(self, parts: Parts) -> float:
         """Rms in the sensor that keeps most of an effect when all constants are fitted to it, nT."""
-        return max(self.worst(self.without(self.flat(parts))), 1e-12)
+        flat, squares, at = self.without(self.flat(parts)), np.zeros(3), 0
+        for run in self.c.runs:
+            n = int(run.keep.sum())
+            squares += np.sum(flat[at:at + 3 * n].reshape(3, n) ** 2, axis=1)
+            at += 3 * n
+        return max(float(np.sqrt((squares / (at / 3)).max())), 1e-12)

@@ -3,8 +3,6 @@
 B_GEO = eta (k I + B0) + e, B_SEN = R B_GEO, B_i = mu_i . B_SEN (nT): NASA CR-156638, McPherron 1977. GEO is x north, y east,
 z down; SEN is the frame of the sensor block; columns of eta and mu are directions.
 """
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np
@@ -14,15 +12,16 @@ from .signal import Signal
 
 Parts = list[np.ndarray]
 AXES = "xyz"
-# Temperatures at which the constants hold: sensor, electronics, coils.
+# Temperatures, and those at which the constants hold.
+SENSOR, ELECTRONICS, COIL = range(3)
 REFERENCE_C = (23.0, 26.0, 21.0)
 # A logger that averages takes the mean of so many instants over this share of its step.
 INSTANTS, SHARE = 5, 0.8
 
 
-def directions(rng: np.random.Generator, arcmin: float) -> np.ndarray:
-    """Unit vectors, as columns, about so far off their frame's axes."""
-    m = np.eye(3) + rng.normal(size=(3, 3)) * np.deg2rad(arcmin / 60)
+def directions(rng: np.random.Generator, degrees: float, about: np.ndarray = np.eye(3)) -> np.ndarray:
+    """Unit vectors, as columns, about so far off others."""
+    m = about + rng.normal(size=(3, 3)) * np.deg2rad(degrees)
     return m / np.linalg.norm(m, axis=0)
 
 
@@ -38,39 +37,39 @@ class Run:
     """One recording: when readings are taken, and the signals that act."""
 
     def __init__(self, c: "Campaign", number: int, start: float, rows: int) -> None:
-        rng, self.step, self.number, self.averages = c.rng, c.step, number, c.averages
+        self.rng, self.step, self.number, self.averages = c.rng, c.step, number, c.averages
         even = start + np.arange(rows) * self.step
         # What averages does not begin before it has ended.
         strays = (1 - SHARE) / 2 if c.averages else 0.2
-        self.t = even + (rng.uniform(-strays, strays, rows) * self.step if c.uneven else 0.0)
+        self.t = even + (c.rng.uniform(-strays, strays, rows) * self.step if c.uneven else 0.0)
         self.t = np.round(np.sort(self.t), 6)
-        width = SHARE * self.step if self.averages else 0.0
         inside = (np.arange(INSTANTS) + 0.5) / INSTANTS - 0.5 if self.averages else np.zeros(1)
-        self.width, self.span = width, (start, even[-1] + self.step)
-        self.at = (self.t[:, None] + inside * width).ravel()
+        self.width, self.span = SHARE * self.step if self.averages else 0.0, (start, even[-1] + self.step)
+        self.at = (self.t[:, None] + inside * self.width).ravel()
         self.keep = np.ones(rows, bool)
         if c.gaps:
-            self.keep = rng.uniform(size=rows) > 0.01
-            first = int(rng.integers(rows // 4, rows // 2))
-            self.keep[first:first + int(rng.integers(5, rows // 8))] = False
-        self.turn = quarter_turn(rng, [run.turn for run in c.runs])
+            self.keep = c.rng.uniform(size=rows) > 0.01
+            first = int(c.rng.integers(rows // 4, rows // 2))
+            self.keep[first:first + int(c.rng.integers(5, rows // 8))] = False
+        self.turn = quarter_turn(c.rng, [run.turn for run in c.runs])
         self.held = number % 2 == 1
-        self.current = [self.drive(rng).times(48_000 / c.coil[k]) for k in range(3)]
-        self.temperature = [self.warmth(rng, mean, swing) for mean, swing in zip(REFERENCE_C, (8, 7, 4))]
+        self.current = [self.drive().times(48_000 / c.coil[k]) for k in range(3)]
+        self.temperature = [self.warmth(mean, swing) for mean, swing in zip(REFERENCE_C, (8, 7, 4))]
         if c.together:
-            self.temperature[1] = self.temperature[0].through(response.relaxation(0.1 * c.length), self.span[0])
-        self.outside = [signal.smooth(rng, c.length, 4 * self.step, size, 1.0) for size in (12, 8, 9)]
+            self.temperature[ELECTRONICS] = self.temperature[SENSOR].through(response.relaxation(0.1 * c.length), self.span[0])
+        self.outside = [signal.smooth(c.rng, c.length, 4 * self.step, size, 1.0) for size in (12, 8, 9)]
+        # The last two have nothing to do with the readings.
         self.columns: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-            "panel_current_a": self.switched(rng, 30, 90, [0.0, 0.4, 1.0, 1.6]),
-            "heater_current_a": self.switched(rng, 15, 60, [0.0, 1.0]),
-            "humidity_percent": signal.smooth(rng, c.length, c.length / 20, 5.0).plus(Signal(level=45.0)),
+            "panel_current_a": self.switched(30, 90, [0.0, 0.4, 1.0, 1.6]),
+            "heater_current_a": self.switched(15, 60, [0.0, 1.0]),
+            "humidity_percent": signal.smooth(c.rng, c.length, c.length / 20, 5.0).plus(Signal(level=45.0)),
+            "lamp_current_a": self.switched(20, 120, [0.0, 0.3]),
+            "room_pressure_pa": signal.smooth(c.rng, c.length, c.length / 15, 80.0, 2.0).plus(Signal(level=101_300.0)),
         }
-        # Columns that have nothing to do with the readings.
-        self.columns["lamp_current_a"] = self.switched(rng, 20, 120, [0.0, 0.3])
-        self.columns["room_pressure_pa"] = signal.smooth(rng, c.length, c.length / 15, 80.0, 2.0).plus(Signal(level=101_300.0))
 
-    def drive(self, rng: np.random.Generator) -> Signal:
+    def drive(self) -> Signal:
         """Waves and triangles in every other recording; else levels that are set just after a reading."""
+        rng = self.rng
         if self.held:
             rows = np.cumsum(rng.integers(15, 50, len(self.t) // 15 + 1))
             rows = rows[rows < len(self.t)]
@@ -82,18 +81,23 @@ class Run:
         waves = signal.smooth(rng, 400 * self.step, 40 * self.step, 1.0, 1.0, 12)
         return waves.times(rng.uniform(0.6, 1) / np.abs(waves.c).sum())
 
-    def warmth(self, rng: np.random.Generator, mean: float, swing: float) -> Signal:
+    def warmth(self, mean: float, swing: float) -> Signal:
         """A chamber's programme of steps through the thermal bodies between heater and thermometer, with slow weather."""
-        start, end = self.span
+        rng, (start, end) = self.rng, self.span
         bodies = response.poles(list((end - start) * rng.uniform([0.02, 0.06], [0.05, 0.15])))
         at = np.sort(rng.uniform(start, end, int(rng.integers(2, 5))))
         programme = Signal(at=at, height=rng.uniform(0.4, 1, len(at)) * swing * rng.choice([-1, 1], len(at)))
         weather = signal.smooth(rng, 2 * (end - start), (end - start) / 12, 0.25 * swing, 2.0)
         return programme.through(bodies).plus(weather).plus(Signal(level=mean + rng.uniform(-3, 3)))
 
-    def switched(self, rng: np.random.Generator, least: float, most: float, values: list[float]) -> Signal:
+    def switched(self, least: float, most: float, values: list[float]) -> Signal:
         """A load that is switched at moments some rows apart."""
-        return signal.levels(rng, signal.moments(rng, *self.span, least * self.step, most * self.step), values)
+        return signal.levels(self.rng, signal.moments(self.rng, *self.span, least * self.step, most * self.step), values)
+
+    def warm(self, which: int, late: response.Response | None = None) -> np.ndarray:
+        """A temperature over its reference, K, at all instants; late: at rest when the recording begins."""
+        t = self.temperature[which]
+        return (t.through(late, self.span[0]) if late else t)(self.at) - REFERENCE_C[which]
 
     def mean(self, x: np.ndarray) -> np.ndarray:
         """What a logger makes of values at all instants (last axis)."""
@@ -104,11 +108,11 @@ class Run:
         row = np.exp(2j * np.pi * hertz * self.t) * np.sinc(hertz * self.width)
         return np.repeat(row, len(self.at) // len(self.t))
 
-    def path(self, x: Callable[[np.ndarray], np.ndarray], finer: int = 6) -> np.ndarray:
-        """Values on the way from each instant to the next, (instants, finer): the last is at the instant."""
+    def path(self, x: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        """Values on the way from each instant to the next, (instants, 6): the last is at the instant."""
         before = np.concatenate([[self.at[0] - self.step * 1e-3], self.at[:-1]])
-        fine = before[:, None] + (self.at - before)[:, None] * (np.arange(finer) + 1) / finer
-        return x(fine.ravel()).reshape(-1, finer)
+        fine = before[:, None] + (self.at - before)[:, None] * (np.arange(6) + 1) / 6
+        return x(fine.ravel()).reshape(-1, 6)
 
 
 class Campaign:
@@ -116,8 +120,9 @@ class Campaign:
 
     def __init__(self, rng: np.random.Generator, rows: int, *, together: bool, averages: bool, uneven: bool, gaps: bool) -> None:
         self.rng, self.together, self.averages, self.uneven, self.gaps = rng, together, averages, uneven, gaps
+        self.noisy: Parts = []  # readings with noise and all that acts so far
         self.coil = rng.uniform(30_000, 42_000, 3)
-        self.eta, self.mu = directions(rng, 10), directions(rng, 30)
+        self.eta, self.mu = directions(rng, 10 / 60), directions(rng, 30 / 60)
         self.bias, self.gain, self.zero = rng.normal(size=3), 1 + rng.normal(size=3) * 5e-4, rng.normal(size=3) * 4
         self.positions = rng.uniform(-0.06, 0.06, (3, 3))
         self.step = float(rng.choice([2.0, 5.0, 10.0, 20.0]))
@@ -139,11 +144,6 @@ class Campaign:
         """Fields in GEO to components along the sensors."""
         return self.mu.T @ run.turn @ geo
 
-    def plain(self, run: Run, t: np.ndarray | None = None, through: Callable[[int, Signal], Signal] | None = None) -> np.ndarray:
+    def plain(self, run: Run, t: np.ndarray | None = None) -> np.ndarray:
         """Components along the sensors with nothing acting, nT, (3, instants)."""
-        return self.geo_to_reading(run, self.eta @ self.along(run, t, through))
-
-    def reading_through(self, run: Run, sensor: int, what: response.Response) -> np.ndarray:
-        """The field along a sensor through a response, at all instants: linear, so coil by coil."""
-        weights = self.mu[:, sensor] @ run.turn @ self.eta
-        return weights @ self.along(run, through=lambda _, x: x.through(what))
+        return self.geo_to_reading(run, self.eta @ self.along(run, t))

@@ -1,135 +1,89 @@
 """A document and its truth, from a seed and a number."""
-from __future__ import annotations
-
-import hashlib
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from . import effects, groups, noise, plan  # noqa: F401  (`effects` fills the table of kinds)
+from . import effects, groups, noise, pairs, plan, signal
 from .basic import Basic
-from .campaign import AXES, REFERENCE_C, Campaign, Parts
-from .effect import Effect, Kind
+from .campaign import AXES, REFERENCE_C, Campaign, Parts, directions
+from .groups import Kind
+from .plan import Case
 
-CONSTANTS = {"sensitivity": 1e-5, "offset": 0.3, "coil": 1e-5, "bias": 0.3, "arcsec": 2.0}
-Document = dict[str, Any]
-
-
-@dataclass
-class Case:
-    """`expected` are the readings without noise, `floor_nt` the rms that is left when the truth is fitted."""
-
-    document: Document
-    truth: dict[str, Any]
-    expected: np.ndarray
-
-
-def neutral(seed: int, number: int) -> str:
-    """A name that says nothing."""
-    return hashlib.sha256(f"{seed}/{number}".encode()).hexdigest()[:10]
+ARCSEC = 2.0  # what is stated of directions
 
 
 def make(seed: int, number: int, of: str) -> Case:
     """A case of the group `develop` or `score`."""
-    spec = plan.spec(number)
-    rng = np.random.default_rng([seed, number])
-    if spec.sort == "pair":
-        from . import pairs
-
-        return pairs.make(rng, spec, of)
-    return campaign(rng, spec, of)
+    (sort, index), rng = plan.sort(number), np.random.default_rng([seed, number])
+    return beside(rng, index, of) if sort == "pair" else campaign(rng, sort, index, of)
 
 
-def chosen(rng: np.random.Generator, spec: plan.Spec, of: str) -> list[tuple[Kind, float]]:
+def chosen(rng: np.random.Generator, own: list[Kind], sort: str, index: int, several: Callable[[], int]) -> list[tuple[Kind, float]]:
     """Which kinds act, each with its strength in times the noise."""
-    single = groups.kinds(of, "single")
-    if spec.sort == "clean":
+    strong = lambda: float(rng.choice([1.0, 3.0, 10.0]))
+    if sort == "clean":
         return []
-    if spec.sort == "several":
-        which = rng.choice(len(single), int(rng.choice([2, 2, 3, 4])), replace=False)
-        return [(single[i], float(rng.choice([1.0, 3.0, 10.0]))) for i in which]
-    own = single if spec.sort == "single" else groups.kinds(of, spec.sort)
-    which_one, strength = plan.of_kinds(spec.index, len(own))
-    return [(own[which_one], strength if spec.sort == "single" else float(rng.choice([1.0, 3.0, 10.0])))]
+    if sort == "several":
+        return [(own[i], strong()) for i in rng.choice(len(own), several(), replace=False)]
+    # Each kind comes in each strength before any comes again in one.
+    rounds, which = divmod(index, len(own))
+    return [(own[which], plan.STRENGTHS[(index + rounds) % len(plan.STRENGTHS)] if sort == "single" else strong())]
 
 
-def sized(effect: Effect, basic: Basic, target: float) -> tuple[Parts, float]:
-    """An effect at the size at which the constants of the basic model leave so many nT of it, and that size."""
-    size, parts = 1.0, effect.act(1.0)
-    for _ in range(12):
-        left = basic.left(parts)
-        if abs(np.log(left / target)) < 0.02:
-            break
-        size *= float(np.clip((target / left) ** (1 / effect.power), 1e-3, 1e3))
-        parts = effect.act(size)
-    return parts, size
-
-
-def campaign(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
+def campaign(rng: np.random.Generator, sort: str, index: int, of: str) -> Case:
     """A campaign in coils. What acts acts on the field without the others."""
-    kinds = chosen(rng, spec, of)
+    kinds = chosen(rng, groups.of_group(effects.KINDS, of, sort), sort, index, lambda: int(rng.choice([2, 2, 3, 4])))
     manners = {name: bool(rng.uniform() < share) for name, share in dict(together=0.3, averages=0.25, uneven=0.3, gaps=0.35).items()}
     if any(kind.name == "reaction_wheel" for kind, _ in kinds):
         manners["averages"] = False
     c = Campaign(rng, plan.rows(rng), **manners)
-    acting = [(kind, strength, kind.make(c, int(rng.integers(3)), rng)) for kind, strength in kinds]
+    acting = [(kind, strength, kind.make(c, int(rng.integers(3)))) for kind, strength in kinds]
     basic = Basic(c)
     own = noise.of_size(rng, float(rng.choice([0.1, 0.2, 0.5])), c.step, bool(rng.uniform() < 0.35))
-    drawn = [np.stack([own.draw(rng, len(run.t), c.step) for _ in range(3)]) for run in c.runs]
-    widened = [np.repeat(part, len(run.at) // len(run.t), axis=1) for run, part in zip(c.runs, drawn)]
+    widened = [np.repeat(own.draw(rng, len(run.t), c.step), len(run.at) // len(run.t), axis=1) for run in c.runs]
     flat = basic.flat(widened)
     noise_nt = float(np.sqrt(np.mean(flat**2)))
     read = [c.plain(run) for run in c.runs]
     total = [np.zeros_like(part) for part in read]
     told = []
-    for kind, strength, effect in sorted(acting, key=lambda one: one[2].codes):
-        if effect.codes:
-            effect.noisy[:] = [a + b + w for a, b, w in zip(read, total, widened)]
-        target = strength * noise_nt
-        parts, size = sized(effect, basic, target)
+    for kind, strength, effect in sorted(acting, key=lambda one: one[2].last):
+        c.noisy = [a + b + w for a, b, w in zip(read, total, widened)]
         # What cannot show, such as a threshold that no field reaches, is drawn again.
-        for _ in range(20):
-            if basic.left(parts) > 0.5 * target:
+        for again in range(21):
+            effect = kind.make(c, int(rng.integers(3))) if again else effect
+            parts, size = effect.sized(basic, strength * noise_nt)
+            if basic.left(parts) > 0.5 * strength * noise_nt:
                 break
-            effect = kind.make(c, int(rng.integers(3)), rng)
-            effect.noisy[:] = [a + b + w for a, b, w in zip(read, total, widened)]
-            parts, size = sized(effect, basic, target)
         total = [a + b for a, b in zip(total, parts)]
-        told.append(dict(kind=kind.name, form=kind.form, family=kind.family, source=kind.source, strength=strength,
-                         right=effect.right, undecidable=effect.undecidable, left_nt=basic.left(parts),
-                         parameters={k: v * size if k.endswith("nt") or "_nt_per" in k else v for k, v in effect.truth.items()}))
+        told.append(kind.truth(effect, size, strength, basic.left(parts)))
     taken = flat - basic.without(flat)
     before = basic.without(basic.flat(total))
     document, more = written(rng, c, own, [a + b + w for a, b, w in zip(read, total, widened)])
     expected = np.concatenate([((run.mean(a + b) - c.zero[:, None]) / c.gain[:, None])[:, run.keep].ravel() for run, a, b in zip(c.runs, read, total)])
-    truth = dict(sort=spec.sort, effects=told, noise_nt=noise_nt, rows=int(sum(run.keep.sum() for run in c.runs)),
-                 manners=[name for name, is_so in manners.items() if is_so] + more + (["flicker noise"] if own.flicker else ["random walk"] if own.walk else []),
+    truth = dict(sort=sort, effects=told, noise_nt=noise_nt, rows=int(sum(run.keep.sum() for run in c.runs)),
+                 manners=[name for name, is_so in manners.items() if is_so] + more + own.manners,
                  taken_nt=float(np.sqrt(np.mean(taken**2))), before_nt=float(np.sqrt(np.mean((before - taken) ** 2))))
     return Case(document, truth, expected)
 
 
-def written(rng: np.random.Generator, c: Campaign, own: noise.Noise, readings: Parts) -> tuple[Document, list[str]]:
-    """The document: a calibration that is wrong by as much as it states, and the recordings."""
-    more, factor = [], 1.0
-    document: Document = {"fluxcal": 1, "facility": {"coils": {k: {"max_nt": 60_000} for k in AXES}},
-                          "instrument": {"range_nt": 100_000, "positions_m": {k: c.positions[i].tolist() for i, k in enumerate(AXES)}}}
+def written(rng: np.random.Generator, c: Campaign, own: noise.Noise, readings: Parts) -> tuple[dict[str, Any], list[str]]:
+    """The document: a calibration that is wrong by as much as it states, and the recordings; and what is declared of noise."""
+    document: dict[str, Any] = {"fluxcal": 1, "facility": {"coils": {k: {"max_nt": 60_000} for k in AXES}},
+                                "instrument": {"range_nt": 100_000, "positions_m": {k: c.positions[i].tolist() for i, k in enumerate(AXES)}}}
+    factor = None
     if rng.uniform() < 0.5:
         factor = float(rng.choice([1.0, 1.0, 1.0, rng.choice([0.9, 1.1])]))
         document["instrument"]["noise"] = own.declared(factor)
-        more.append("noise declared" if factor == 1 else "noise declared, a tenth wrong")
-    else:
-        more.append("noise not declared")
 
     def quantity(value: float, std: float) -> dict[str, float]:
         return {"value": float(value + rng.normal() * std), "std": float(std)}
 
-    s = CONSTANTS
     names = ("sensor_temperature_c", "electronics_temperature_c", "coil_temperature_c")
     document["calibration"] = {
-        "sensors": {k: {"sensitivity_nt_per_nt": quantity(c.gain[i], s["sensitivity"]), "offset_nt": quantity(c.zero[i], s["offset"])} for i, k in enumerate(AXES)},
-        "coils": {k: {"constant_nt_per_a": quantity(c.coil[i], s["coil"] * c.coil[i]), "offset_nt": quantity(c.bias[i], s["bias"])} for i, k in enumerate(AXES)},
-        "axes": {"sensors": {"matrix": misread(rng, c.mu).tolist(), "std_arcsec": s["arcsec"]}, "coils": {"matrix": misread(rng, c.eta).tolist(), "std_arcsec": s["arcsec"]}},
+        "sensors": {k: {"sensitivity_nt_per_nt": quantity(c.gain[i], 1e-5), "offset_nt": quantity(c.zero[i], 0.3)} for i, k in enumerate(AXES)},
+        "coils": {k: {"constant_nt_per_a": quantity(c.coil[i], 1e-5 * c.coil[i]), "offset_nt": quantity(c.bias[i], 0.3)} for i, k in enumerate(AXES)},
+        "axes": {part: {"matrix": directions(rng, ARCSEC / 3600, m).tolist(), "std_arcsec": ARCSEC} for part, m in (("sensors", c.mu), ("coils", c.eta))},
         "reference_conditions": dict(zip(names, REFERENCE_C))}
     document["recordings"] = []
     for run, reading in zip(c.runs, readings):
@@ -146,10 +100,55 @@ def written(rng: np.random.Generator, c: Campaign, own: noise.Noise, readings: P
             conditions["integration_s"] = run.width
         document["recordings"].append({"id": f"run-{run.number + 1}", "procedure": "free_run", "conditions": conditions,
                                        "columns": {k: np.round(v[run.keep], 9).tolist() for k, v in columns.items()}})
-    return document, more
+    return document, [noise.declaration(factor)]
 
 
-def misread(rng: np.random.Generator, directions: np.ndarray) -> np.ndarray:
-    """Directions as they were measured: each turned by as much as is stated."""
-    m = directions + rng.normal(size=(3, 3)) * np.deg2rad(CONSTANTS["arcsec"] / 3600)
-    return np.asarray(m / np.linalg.norm(m, axis=0))
+def beside(rng: np.random.Generator, number: int, of: str) -> Case:
+    """A test instrument beside a reference."""
+    (sort, index), day = plan.turn(plan.TURNS, number), number % plan.DAY_EVERY == 10
+    kinds = chosen(rng, groups.of_group(pairs.KINDS, of, sort), sort, index, lambda: 2)
+    rows = plan.DAY_ROWS if day else max(1000, plan.rows(rng))
+    step = 1.0 if day else float(rng.choice([1.0, 10.0, 60.0]))
+    noisy = float(rng.choice([0.02, 0.05, 0.05, 0.1, 0.3]))
+    pair = pairs.Pair(rng, rows, step, noisy)
+    manners = [f"noise of the reference {noisy:g} nT"] + (["a day of seconds"] if day else [])
+    if rng.uniform() < 0.3:
+        pair.noise = noise.of_size(rng, 0.1, step, True)
+        manners += pair.noise.manners
+    if rng.uniform() < 0.4:
+        manners.append("decoys")
+        wander = signal.smooth(rng, pair.length, pair.length / 40, 0.7, 2.0)
+        near, own = pair.columns["electronics_temperature_c"], pair.field[0]
+        pair.columns["room_temperature_c"] = lambda t: near(t) + wander(t)
+        pair.columns["box_temperature_c"] = lambda t: 20 + 0.2 * (own(t) - pairs.LEVEL[0]) + wander(t)
+    acting = [(kind, strength, kind.make(pair)) for kind, strength in kinds]
+    keep = np.ones(rows, bool)
+    if rng.uniform() < 0.3:
+        manners.append("gaps")
+        keep = rng.uniform(size=rows) > 0.02
+        keep[rows // 3:rows // 3 + rows // 20] = False
+    field, fitted = pair.at(), pairs.Fitted(pair.at())
+    own_noise, reference_noise = (one.draw(rng, rows, step) for one in (pair.noise, pair.reference_noise))
+    difference = own_noise - pair.eta @ reference_noise
+    noise_nt = float(np.sqrt(np.mean(difference**2)))
+    added, told = np.zeros((3, rows)), []
+    for kind, strength, effect in acting:
+        parts, size = effect.sized(fitted, strength * noise_nt)
+        added = added + parts[0]
+        told.append(kind.truth(effect, size, strength, fitted.left(parts)))
+    columns = {"time_s": pair.t}
+    for i, k in enumerate(AXES):
+        columns[f"reference_{k}_nt"] = (field + reference_noise)[i]
+        columns[f"test_{k}_nt"] = (pair.eta @ field + pair.offset[:, None] + added + own_noise)[i]
+    columns |= {name: x(pair.t) for name, x in pair.columns.items()}
+    recording = {"id": "pair", "procedure": "differential", "columns": {k: np.round(v[keep], 5).tolist() for k, v in columns.items()}}
+    document: dict[str, Any] = {"fluxcal": 1, "recordings": [recording]}
+    factor = None
+    if rng.uniform() < 0.5:
+        factor = float(rng.choice([1.0, 1.0, 1.0, 0.9, 1.1], p=[0.25, 0.25, 0.25, 0.125, 0.125]))
+        document["instrument"] = {"noise": pair.noise.declared(factor)}
+        recording["conditions"] = {"reference_noise": pair.reference_noise.declared(factor)}
+    manners.append(noise.declaration(factor))
+    floor = float(np.sqrt(np.mean(fitted.without(difference)[:, keep] ** 2)))
+    truth = dict(sort="pair", turn=sort, effects=told, noise_nt=noise_nt, rows=int(keep.sum()), manners=manners, floor_nt=floor)
+    return Case(document, truth, np.zeros(0))

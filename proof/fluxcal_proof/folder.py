@@ -1,6 +1,4 @@
 """A round in a folder: documents, sealed truths, answers; what was opened is not answered again."""
-from __future__ import annotations
-
 import hashlib
 import io
 import json
@@ -8,25 +6,23 @@ import secrets
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from . import cases, hosted, plan
-
-WORKERS = 2
-T = TypeVar("T")
-R = TypeVar("R")
+from . import cases, plan
+from .plan import Case
+from .recordings import hosts
 
 
 class Refused(Exception):
     """A step that would break the seals."""
 
 
-def both(of: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
-    """Results in order, two at a time."""
-    with ProcessPoolExecutor(WORKERS) as pool:
-        yield from pool.map(of, list(items))
+def both(of: Callable[..., Any], jobs: Iterable[tuple]) -> Iterator[Any]:
+    """Results in order, two at a time; a job has the arguments."""
+    with ProcessPoolExecutor(2) as pool:
+        yield from pool.map(of, *zip(*jobs))
 
 
 def digest(truth: bytes, expected: bytes) -> str:
@@ -34,9 +30,9 @@ def digest(truth: bytes, expected: bytes) -> str:
     return hashlib.sha256(truth + expected).hexdigest()
 
 
-def write(folder: Path, seed: int, number: int, of: str, nonce: str, case: cases.Case) -> tuple[str, str]:
-    """Writes document, truth and readings without noise of a case; its name and seal."""
-    name = cases.neutral(seed, number)
+def write(folder: Path, seed: int, of: str, nonce: str, number: int, case: Case | None) -> tuple[str, str]:
+    """Writes document, truth and readings without noise of a case, which is made where there is none yet; its name and seal."""
+    name, case = hashlib.sha256(f"{seed}/{number}".encode()).hexdigest()[:10], case or cases.make(seed, number, of)
     (folder / "documents" / f"{name}.json").write_text(json.dumps(case.document))
     truth = json.dumps({"seed": seed, "number": number, "set": of, "nonce": nonce, **case.truth}, sort_keys=True).encode()
     expected = io.BytesIO()
@@ -46,12 +42,6 @@ def write(folder: Path, seed: int, number: int, of: str, nonce: str, case: cases
     return name, digest(truth, expected.getvalue())
 
 
-def seal_one(job: tuple[Path, int, int, str, str]) -> tuple[str, str]:
-    """Makes a case and writes it."""
-    folder, seed, number, of, nonce = job
-    return write(folder, seed, number, of, nonce, cases.make(seed, number, of))
-
-
 def make(folder: Path, seed: int | None, count: int, of: str, only: str, real: tuple[Path, Path] | None = None) -> str:
     """Makes and seals a round; the commitment is the SHA-256 over all seals in the order of their names.
 
@@ -59,23 +49,13 @@ def make(folder: Path, seed: int | None, count: int, of: str, only: str, real: t
     if folder.exists():
         raise Refused(f"{folder} is there already: a round needs a folder of its own")
     seed = secrets.randbelow(2**32) if seed is None else seed
-    found = hosted.cases(*real, seed) if real else []
+    found = [(number, None) for number in plan.numbers(count, only)] + (hosts.cases(*real, seed) if real else [])
     for part in ("documents", "truths", "answers"):
         (folder / part).mkdir(parents=True)
-    jobs = [(folder, seed, number, of, secrets.token_hex(16)) for number in plan.numbers(count, only)]
-    seals = dict(both(seal_one, jobs))
-    for number, case in found:
-        name, seal = write(folder, seed, number, of, secrets.token_hex(16), case)
-        seals[name] = seal
-    seals = dict(sorted(seals.items()))
+    seals = dict(sorted(both(write, [(folder, seed, of, secrets.token_hex(16), *one) for one in found])))
     commitment = hashlib.sha256("".join(seals.values()).encode()).hexdigest()
     (folder / "seals.json").write_text(json.dumps({"commitment": commitment, "seals": seals}, indent=1) + "\n")
     return commitment
-
-
-def names(folder: Path) -> list[str]:
-    """Names of the documents."""
-    return sorted(json.loads((folder / "seals.json").read_text())["seals"])
 
 
 def refuse_if_opened(folder: Path) -> None:

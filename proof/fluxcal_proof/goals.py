@@ -1,16 +1,11 @@
 """What is wanted, and whether it was reached."""
-from __future__ import annotations
-
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .score import Round, count
 from .verdict import FORM, Outcome
 
 Test = Callable[[Outcome], bool]
-# Half of intervals of these levels, in standard uncertainties.
-LEVELS = ((50, 0.674490), (90, 1.644854), (95, 1.959964), (99, 2.575829))
-PROBABILITIES = ((0.0, 0.5), (0.5, 0.9), (0.9, 0.99), (0.99, 1.0))
 
 
 @dataclass(frozen=True)
@@ -24,6 +19,10 @@ class Goal:
     hit: Test
     own: bool = False
 
+    @property
+    def wanted(self) -> str:
+        return f"at {'least' if self.at_least else 'most'} {self.percent:g} %"
+
     def met(self, hits: int, trials: int) -> bool:
         """Whether the share reaches what is wanted."""
         return 100 * hits >= self.percent * trials if self.at_least else 100 * hits <= self.percent * trials
@@ -34,54 +33,46 @@ class Goal:
         return a > b if self.at_least else a < b
 
 
-def strong(one: Outcome) -> bool:
-    return all(effect["strength"] >= 1 for effect in one.truth["effects"])
+# What may be asked of an outcome.
+strong: Test = lambda o: all(effect["strength"] >= 1 for effect in o.truth["effects"])
+all_families: Test = lambda o: all(o.families)
+members: Test = lambda o: all(member in ("right", "set") for member in o.members)
+named: Test = lambda o: members(o) and not o.wrong
+wrong: Test = lambda o: bool(o.wrong)
+claimed: Test = lambda o: o.verdict != "agrees"
+answered: Test = lambda o: o.verdict != "failed"
 
-
-def all_families(one: Outcome) -> bool:
-    return all(one.families)
-
-
-def members(one: Outcome) -> bool:
-    return all(member in ("right", "set") for member in one.members)
-
-
-def all_of() -> list[Goal]:
-    """The goals for campaigns, for pairs and for real recordings."""
-    out: list[Goal] = []
-    for where, here in (("campaigns", lambda o: o.truth["sort"] not in ("pair", "injected", "recorded")), ("pairs", lambda o: o.truth["sort"] == "pair")):
-        def some(sort: str, more: Test = lambda o: True, here: Test = here) -> Test:
-            return lambda o: here(o) and o.sort == sort and more(o)
-
-        weak: Test = lambda o: not strong(o)
-        out += [
-            Goal(f"{where}, one effect of at least the noise: family", 97, True, some("single", strong), all_families),
-            Goal(f"{where}, one effect of at least the noise: member, or in the set", 92, True, some("single", strong), members),
-            Goal(f"{where}, one effect of 0.3 times the noise: family", 85, True, some("single", weak), all_families),
-            Goal(f"{where}, one effect of 0.3 times the noise: member, or in the set", 80, True, some("single", weak), members),
-            Goal(f"{where}, two to four effects: all families", 88, True, some("several"), all_families),
-            Goal(f"{where}, a wrong member where something acts that has a name", 2, False,
-                 lambda o, here=here: here(o) and o.sort in ("single", "several"), lambda o: bool(o.wrong)),  # type: ignore[misc]
-            Goal(f"{where}, clean: anything claimed", 1, False, some("clean"), lambda o: o.verdict != "agrees"),
-            Goal(f"{where}, outside the catalogue: no wrong member", 95, True, some("unnamed"), lambda o: o.verdict != "failed" and not o.wrong),
-        ]
-    out += [
-        Goal("campaigns, outside the catalogue: `--empirical` lowers the rms by 1 %", 80, True,
-             lambda o: o.truth["sort"] == "unnamed", lambda o: (o.empirical or 9) < 0.99, True),
-        Goal("explained: rms left out within 5 % of the floor", 95, True, lambda o: o.verdict == "explained" and o.form is not None, lambda o: (o.form or 9) <= FORM, True),
-        Goal("indistinguishable: the whole set is told", 95, True, lambda o: o.sort == "undecidable", lambda o: o.members == ["right"] and not o.wrong),
-        Goal("real recordings, injected at 1 to 10 times the scatter: member, or in the set", 92, True, lambda o: o.sort == "injected" and strong(o), members, True),
-        Goal("real recordings, a wrong member", 2, False, lambda o: o.sort == "injected", lambda o: bool(o.wrong), True),
-        Goal("real recordings as they came, anything claimed", 1, False, lambda o: o.sort == "recorded", lambda o: o.verdict != "agrees", True),
-        Goal("answered within the time", 99, True, lambda o: True, lambda o: o.verdict != "failed", True),
-    ]
-    return out
+# Wanted of campaigns and of pairs alike.
+BOTH = [
+    Goal("one effect of at least the noise: family", 97, True, lambda o: o.sort == "single" and strong(o), all_families),
+    Goal("one effect of at least the noise: member, or in the set", 92, True, lambda o: o.sort == "single" and strong(o), members),
+    Goal("one effect of 0.3 times the noise: family", 85, True, lambda o: o.sort == "single" and not strong(o), all_families),
+    Goal("one effect of 0.3 times the noise: member, or in the set", 80, True, lambda o: o.sort == "single" and not strong(o), members),
+    Goal("two to four effects: all families", 88, True, lambda o: o.sort == "several", all_families),
+    Goal("a wrong member where something acts that has a name", 2, False, lambda o: o.sort in ("single", "several"), wrong),
+    Goal("clean: anything claimed", 1, False, lambda o: o.sort == "clean", claimed),
+    Goal("outside the catalogue: no wrong member", 95, True, lambda o: o.sort == "unnamed", lambda o: answered(o) and not o.wrong),
+]
+GOALS = [
+    *(replace(goal, title=f"campaigns, {goal.title}", of=lambda o, of=goal.of: o.truth["sort"] != "pair" and of(o)) for goal in BOTH),
+    *(replace(goal, title=f"pairs, {goal.title}", of=lambda o, of=goal.of: o.truth["sort"] == "pair" and of(o)) for goal in BOTH),
+    Goal("campaigns, outside the catalogue: `--empirical` lowers the rms by 1 %", 80, True,
+         lambda o: o.truth["sort"] == "unnamed", lambda o: (o.empirical or 9) < 0.99, True),
+    Goal("explained: rms left out within 5 % of the floor", 95, True,
+         lambda o: o.verdict == "explained" and o.form is not None, lambda o: (o.form or 9) <= FORM, True),
+    Goal("indistinguishable: the whole set is told", 95, True, lambda o: o.sort == "undecidable", lambda o: o.members == ["right"] and not o.wrong),
+    Goal("real recordings, injected at 1 to 10 times the scatter: member, or in the set", 92, True,
+         lambda o: o.sort == "injected" and strong(o), members, True),
+    Goal("real recordings, a wrong member", 2, False, lambda o: o.sort == "injected", wrong, True),
+    Goal("real recordings as they came, anything claimed", 1, False, lambda o: o.sort == "recorded", claimed, True),
+    Goal("answered within the time", 99, True, lambda o: True, answered, True),
+]
 
 
 def reached(of: Round) -> list[tuple[Goal, tuple[int, int], dict[str, tuple[int, int]]]]:
     """Each goal with the program's share and the others', missed ones first; goals without a case are left out."""
     rows = []
-    for goal in all_of():
+    for goal in GOALS:
         own = count(filter(goal.of, of.diagnose), goal.hit)
         others = {} if goal.own else {name: count(filter(goal.of, outcomes), goal.hit) for name, outcomes in of.others.items()}
         if own[1]:
@@ -92,19 +83,3 @@ def reached(of: Round) -> list[tuple[Goal, tuple[int, int], dict[str, tuple[int,
 def false_names(outcomes: list[Outcome]) -> int:
     """Names, alone or in a set, that are not right."""
     return sum(len(one.wrong) for one in outcomes)
-
-
-def probabilities(outcomes: list[Outcome]) -> list[tuple[str, float, tuple[int, int]]]:
-    """Names by the probability printed: the class, its mean, and how many were right."""
-    rows = []
-    for low, high in PROBABILITIES:
-        own = [(p, right) for one in outcomes for p, right in one.printed if low < p <= high]
-        if own:
-            rows.append((f"{low:g} to {high:g}", sum(p for p, _ in own) / len(own), (sum(right for _, right in own), len(own))))
-    return rows
-
-
-def intervals(outcomes: list[Outcome]) -> list[tuple[int, tuple[int, int]]]:
-    """Parameters whose truth is within their interval, level by level."""
-    off = [abs(value) for one in outcomes for _, value in one.intervals]
-    return [(level, (sum(value <= half for value in off), len(off))) for level, half in LEVELS]

@@ -1,6 +1,4 @@
 """Noise of readings: white, flicker and random walk."""
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,16 +14,17 @@ class Noise:
     walk: float = 0.0
 
     def draw(self, rng: np.random.Generator, rows: int, step: float) -> np.ndarray:
-        """So many readings, nT; the flicker part began eight times as long ago."""
-        out = self.white * rng.normal(size=rows)
-        if self.flicker:
-            long = 8 * rows
-            f = np.fft.rfftfreq(long, step)
-            f[0] = f[1]
-            amplitude = np.sqrt(self.flicker * f**-self.exponent / (2 * step))
-            out = out + np.fft.irfft(np.fft.rfft(rng.normal(size=long)) * amplitude, long)[:rows]
-        if self.walk:
-            out = out + np.cumsum(rng.normal(size=rows)) * self.walk * np.sqrt(step)
+        """So many readings of three sensors, nT; the flicker part began eight times as long ago."""
+        long, out = 8 * rows, np.empty((3, rows))
+        f = np.fft.rfftfreq(long, step)
+        f[0] = f[1]
+        amplitude = np.sqrt(self.flicker * f**-self.exponent / (2 * step))
+        for sensor in out:
+            sensor[:] = self.white * rng.normal(size=rows)
+            if self.flicker:
+                sensor += np.fft.irfft(np.fft.rfft(rng.normal(size=long)) * amplitude, long)[:rows]
+            if self.walk:
+                sensor += np.cumsum(rng.normal(size=rows)) * self.walk * np.sqrt(step)
         return out
 
     def declared(self, factor: float) -> dict[str, float]:
@@ -36,6 +35,15 @@ class Noise:
         if self.walk:
             out["random_walk_nt_per_sqrt_s"] = self.walk * factor
         return out
+
+    @property
+    def manners(self) -> list[str]:
+        return ["flicker noise"] * bool(self.flicker) + ["random walk"] * bool(self.walk)
+
+
+def declaration(factor: float | None) -> str:
+    """Whether a document declares its noise, in words."""
+    return "noise not declared" if factor is None else "noise declared" if factor == 1 else "noise declared, a tenth wrong"
 
 
 def of_size(rng: np.random.Generator, size: float, step: float, coloured: bool) -> Noise:

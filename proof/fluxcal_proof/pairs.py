@@ -1,24 +1,23 @@
-"""Two instruments side by side: a test instrument beside a reference in the natural field.
+"""Two instruments side by side: a test instrument beside a reference in the natural field, and what acts on it.
 
 T = eta B + d + what acts + noise, R = B + noise of the reference (nT); the field is a function of time, so that a late
 clock reads what the field was then. DIFF: the differential method.
 """
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import Any
+from functools import partial
 
 import numpy as np
 
-from . import noise, plan, signal
+from . import noise, response, signal
 from .campaign import AXES, Parts, directions
-from .cases import Case, sized
-from .response import relaxation
+from .effect import Effect
+from .groups import Kind
+from .response import Response
 from .signal import Signal
 
 LEVEL = (20_300.0, 1_700.0, 44_100.0)
-# What acts in ten pairs: one thing, nothing, several, or something without a name.
-TURNS = ("single", "single", "clean", "single", "several", "single", "single", "unnamed", "clean", "single")
+FAMILY = "follows_column"
+COLUMN = ("dependence", "stray_current")
 
 
 class Pair:
@@ -28,31 +27,23 @@ class Pair:
         self.rng, self.step, self.span = rng, step, (0.0, rows * step)
         self.t = np.arange(rows) * step
         self.length = rows * step
-        day = 2 * np.pi / 86_400
-        self.field = []
-        for level, tide, size in zip(LEVEL, (25, 15, 10), (12, 10, 5)):
-            variations = signal.smooth(rng, 2 * self.length, 4 * step, size, 1.2, 80)
-            sun = Signal(c=np.array([tide * np.exp(2j * np.pi * rng.uniform())]), omega=np.array([day]))
-            self.field.append(variations.plus(sun).plus(Signal(level=level)))
-        self.eta, self.offset = directions(rng, 15), rng.normal(size=3) * 20
+        self.field = [signal.smooth(rng, 2 * self.length, 4 * step, size, 1.2, 80).plus(self.wave(tide, 86_400)).plus(Signal(level=level))
+                      for level, tide, size in zip(LEVEL, (25, 15, 10), (12, 10, 5))]
+        self.eta, self.offset = directions(rng, 15 / 60), rng.normal(size=3) * 20
         self.noise = noise.Noise(0.1)
         self.reference_noise = noise.Noise(noisy_reference)
+        # A room by day and night, with weather, and a box with a heater that is switched.
+        room = self.wave(4.0, min(86_400, self.length)).plus(signal.smooth(rng, self.length, self.length / 30, 2.0, 2.0))
+        box = self.switched([0.0, 5.0]).through(response.relaxation(rng.uniform(10, 30) * step), 0.0)
         self.columns: dict[str, Callable[[np.ndarray], np.ndarray]] = {
-            "test_temperature_c": self.daily(4.0), "electronics_temperature_c": self.heated(5.0),
+            "test_temperature_c": room.plus(Signal(level=20.0)), "electronics_temperature_c": box.plus(Signal(level=20.0)),
             "load_current_a": self.switched([0.0, 2.0]), "relay_v": self.switched([0.0, 5.0]),
             "torquer_x_am2": self.switched([-0.2, 0.0, 0.2]), "panel_power_w": self.switched([0.0, 20.0, 40.0]),
             "humidity_percent": signal.smooth(rng, self.length, self.length / 20, 6.0, 2.0).plus(Signal(level=50.0)),
             "room_pressure_pa": signal.smooth(rng, self.length, self.length / 15, 80.0, 2.0).plus(Signal(level=101_300.0))}
 
-    def daily(self, swing: float) -> Signal:
-        """A room by day and night, with weather."""
-        wave = Signal(c=np.array([swing * np.exp(2j * np.pi * self.rng.uniform())]), omega=np.array([2 * np.pi / min(86_400, self.length)]))
-        return wave.plus(signal.smooth(self.rng, self.length, self.length / 30, 0.5 * swing, 2.0)).plus(Signal(level=20.0))
-
-    def heated(self, swing: float) -> Signal:
-        """A box with a heater that is switched."""
-        load = self.switched([0.0, swing]).through(relaxation(self.rng.uniform(10, 30) * self.step), 0.0)
-        return load.plus(Signal(level=20.0))
+    def wave(self, size: float, period: float) -> Signal:
+        return Signal(c=np.array([size * np.exp(2j * np.pi * self.rng.uniform())]), omega=np.array([2 * np.pi / period]))
 
     def switched(self, values: list[float]) -> Signal:
         """Switched at moments some tens of rows apart."""
@@ -79,70 +70,93 @@ class Fitted:
         return max(float(np.sqrt((self.without(parts[0]) ** 2).mean(1).max())), 1e-12)
 
 
-def chosen(rng: np.random.Generator, spec: plan.Spec, of: str) -> tuple[str, list[tuple[Any, float]]]:
-    """What acts in a pair, and how strongly."""
-    from .pair_kinds import kinds
-
-    sort = TURNS[spec.index % len(TURNS)]
-    if sort == "clean":
-        return sort, []
-    own = kinds(of, "unnamed" if sort == "unnamed" else "single")
-    strong = lambda: float(rng.choice([1.0, 3.0, 10.0]))
-    if sort == "several":
-        return sort, [(own[i], strong()) for i in rng.choice(len(own), 2, replace=False)]
-    index = spec.index // len(TURNS) * TURNS.count(sort) + TURNS[: spec.index % len(TURNS)].count(sort)
-    which, strength = plan.of_kinds(index, len(own))
-    return sort, [(own[which], strength if sort == "single" else strong())]
+def acts(pair: Pair, x: np.ndarray, on: str = "", key: str = "") -> Effect:
+    """A function of time, less its mean, on all axes of the test instrument; `key` ends the names of its parameters."""
+    v = pair.rng.normal(size=3)
+    part = np.outer(v, x - x.mean())
+    return Effect(lambda size: [size * part], (on,), truth={f"{k}_{key}": float(a) for k, a in zip(AXES, v)} if key else {})
 
 
-def make(rng: np.random.Generator, spec: plan.Spec, of: str) -> Case:
-    """A pair as a case."""
-    sort, acting = chosen(rng, spec, of)
-    rows = plan.DAY_ROWS if spec.day else max(1000, plan.rows(rng))
-    step = 1.0 if spec.day else float(rng.choice([1.0, 10.0, 60.0]))
-    noisy = float(rng.choice([0.02, 0.05, 0.05, 0.1, 0.3]))
-    pair = Pair(rng, rows, step, noisy)
-    manners = [f"noise of the reference {noisy:g} nT"] + (["a day of seconds"] if spec.day else [])
-    if rng.uniform() < 0.3:
-        pair.noise = noise.of_size(rng, 0.1, step, True)
-        manners.append("flicker noise" if pair.noise.flicker else "random walk")
-    if rng.uniform() < 0.4:
-        manners.append("decoys")
-        wander = signal.smooth(rng, pair.length, pair.length / 40, 0.7, 2.0)
-        near, own = pair.columns["electronics_temperature_c"], pair.field[0]
-        pair.columns["room_temperature_c"] = lambda t: near(t) + wander(t)
-        pair.columns["box_temperature_c"] = lambda t: 20 + 0.2 * (own(t) - LEVEL[0]) + wander(t)
-    effects = [(kind, strength, kind.make(pair, rng)) for kind, strength in acting]
-    keep = np.ones(rows, bool)
-    if rng.uniform() < 0.3:
-        manners.append("gaps")
-        keep = rng.uniform(size=rows) > 0.02
-        keep[rows // 3:rows // 3 + rows // 20] = False
-    field, fitted = pair.at(), Fitted(pair.at())
-    own_noise = np.stack([pair.noise.draw(rng, rows, step) for _ in range(3)])
-    reference_noise = np.stack([pair.reference_noise.draw(rng, rows, step) for _ in range(3)])
-    difference = own_noise - pair.eta @ reference_noise
-    noise_nt = float(np.sqrt(np.mean(difference**2)))
-    added, told = np.zeros((3, rows)), []
-    for kind, strength, effect in effects:
-        parts, size = sized(effect, fitted, strength * noise_nt)  # type: ignore[arg-type]
-        added = added + parts[0]
-        told.append(dict(kind=kind.name, form=kind.form, family=kind.family, source=kind.source, strength=strength, right=effect.right,
-                         undecidable=False, left_nt=fitted.left(parts), parameters={k: v * size for k, v in effect.truth.items()}))
-    columns = {"time_s": pair.t}
-    for i, k in enumerate(AXES):
-        columns[f"reference_{k}_nt"] = (field + reference_noise)[i]
-        columns[f"test_{k}_nt"] = (pair.eta @ field + pair.offset[:, None] + added + own_noise)[i]
-    columns |= {name: x(pair.t) for name, x in pair.columns.items()}
-    recording = {"id": "pair", "procedure": "differential", "columns": {k: np.round(v[keep], 5).tolist() for k, v in columns.items()}}
-    document: dict[str, Any] = {"fluxcal": 1, "recordings": [recording]}
-    if rng.uniform() < 0.5:
-        factor = float(rng.choice([1.0, 1.0, 1.0, 0.9, 1.1], p=[0.25, 0.25, 0.25, 0.125, 0.125]))
-        document["instrument"] = {"noise": pair.noise.declared(factor)}
-        recording["conditions"] = {"reference_noise": pair.reference_noise.declared(factor)}
-        manners.append("noise declared" if factor == 1 else "noise declared, a tenth wrong")
-    else:
-        manners.append("noise not declared")
-    floor = float(np.sqrt(np.mean(fitted.without(difference)[:, keep] ** 2)))
-    truth = dict(sort="pair", turn=sort, effects=told, noise_nt=noise_nt, rows=int(keep.sum()), manners=manners, floor_nt=floor)
-    return Case(document, truth, np.zeros(0))
+def wall(pair: Pair) -> Response:
+    """Heat that diffuses into a plate."""
+    return response.plate(pair.length * pair.rng.uniform(0.02, 0.1), 8)
+
+
+def body(least: float, most: float) -> Callable[[Pair], Response]:
+    """One relaxation, its time a share of the length."""
+    return lambda pair: response.relaxation(pair.length * pair.rng.uniform(least, most))
+
+
+def column(pair: Pair, name: str, late: Callable[[Pair], Response] | None = None, bend: float = 1.0, logged: tuple[int, int] | None = None) -> Effect:
+    """A column that acts, late by a response, as a power, or written so many rows late (early where less than none)."""
+    true = pair.columns[name]
+    x = true.through(late(pair), 0.0)(pair.t) if late else true(pair.t)  # type: ignore[attr-defined]
+    x = x - x.min() if bend != 1 else x
+    if logged:
+        by = int(pair.rng.integers(logged[0], logged[1] + 1)) * pair.step
+        pair.columns[name] = lambda t: true(t - by)
+    unit = name.split("_")[-1]
+    return acts(pair, np.sign(x) * np.abs(x) ** bend, name, f"nt_per_{'k' if unit == 'c' else unit}" if bend == 1 and late is not wall else "")
+
+
+def saturating(pair: Pair) -> Effect:
+    """A field that grows less and less with a current."""
+    x = pair.columns["load_current_a"](pair.t)
+    share = np.abs(x) / np.median(np.abs(x[x != 0]))
+    return acts(pair, np.sign(x) * share / (1 + share), "load_current_a")
+
+
+def clock(pair: Pair, rate: bool) -> Effect:
+    """The test instrument's clock is late, or goes at another rate with a bend of its quartz."""
+    seconds = 1e-4 * pair.t + 2e-5 * pair.length * (pair.t / pair.length) ** 2 if rate else 0.1 * pair.step
+    field, sign = pair.at(), pair.rng.choice([-1, 1])
+    return Effect(lambda size: [pair.eta @ (pair.at(sign * size * seconds) - field)])
+
+
+def of_time(of: Callable[[np.ndarray, np.random.Generator], np.ndarray]) -> Callable[[Pair], Effect]:
+    """A function of time over the length of the recording."""
+    return lambda pair: acts(pair, of(pair.t / pair.length, pair.rng))
+
+
+def there_and_back(t: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    first = rng.uniform(0.15, 0.45)
+    return (t > first) * 1.0 - (t > first + rng.uniform(0.15, 0.4)) * rng.uniform(0.4, 0.9)
+
+
+def swinging(pair: Pair) -> Effect:
+    """A field of slow waves of its own on the test instrument's side, gone as it came."""
+    wave = signal.smooth(pair.rng, pair.length / 8, pair.length / 40, 1.0)
+    return acts(pair, wave(pair.t) * np.sin(np.pi * pair.t / pair.length) ** 2)
+
+
+KINDS = [Kind(*row) for row in [
+    ("stray_current", "load beside the test instrument", FAMILY, partial(column, name="load_current_a"),
+     "Biot and Savart: a field in proportion", True, COLUMN),
+    ("dependence", "temperature by day", FAMILY, partial(column, name="test_temperature_c"), "IAGA Guide, variometers", True, COLUMN),
+    ("dependence", "temperature of a heater", FAMILY, partial(column, name="electronics_temperature_c"), "IAGA Guide, variometers", True, COLUMN),
+    ("dependence", "temperature, late by one body", FAMILY, partial(column, name="test_temperature_c", late=body(0.01, 0.08)),
+     "Newton's law of cooling", True, COLUMN),
+    ("dependence", "temperature, square", FAMILY, partial(column, name="test_temperature_c", bend=2.0), "NASA CR-156638, eq. 29", True, COLUMN),
+    ("dependence", "relay logged late", FAMILY, partial(column, name="relay_v", logged=(1, 3)), "a multiplexer's row before", True, COLUMN),
+    ("dependence", "humidity beside a pair", FAMILY, partial(column, name="humidity_percent"), "IAGA Guide", True, COLUMN),
+    ("clock_offset", "pair", "late_response", partial(clock, rate=False), "INTERMAGNET Technical Reference Manual", True),
+    ("reading_step", "pair", "time", of_time(lambda t, rng: (t > rng.uniform(0.2, 0.8)) * 1.0), "IAGA Guide, steps", True),
+    ("ageing", "pair", "time", of_time(lambda t, _: t), "IAGA Guide, base lines", True, ("ageing", "warm_up")),
+    ("warm_up", "pair", "time", of_time(lambda t, _: np.exp(-t / 0.15)), "IAGA Guide", True, ("warm_up", "ageing")),
+    ("unnamed", "load that nobody recorded", "", lambda pair: acts(pair, pair.switched([0.0, 1.0])(pair.t)), "Biot and Savart", True),
+    ("stray_current", "torquer commanded early", FAMILY, partial(column, name="torquer_x_am2", logged=(-2, -1)),
+     "Wertz 1978, Spacecraft Attitude Determination", False, COLUMN),
+    ("dependence", "temperature behind a wall", FAMILY, partial(column, name="electronics_temperature_c", late=wall),
+     "Carslaw and Jaeger 1959, 3.4", False, COLUMN),
+    ("dependence", "pressure beside a pair", FAMILY, partial(column, name="room_pressure_pa"), "a case that bends in proportion", False, COLUMN),
+    ("dependence", "power of a panel", FAMILY, partial(column, name="panel_power_w"), "a current at constant voltage", False, COLUMN),
+    ("dependence", "power of a panel, its root", FAMILY, partial(column, name="panel_power_w", bend=0.7), "a current through a resistance", True, COLUMN),
+    ("stray_current", "load through a core that saturates", FAMILY, saturating, "a choke beside the sensor: Froelich's curve x/(1 + x)", False, COLUMN),
+    ("dependence", "humidity, late beside a pair", FAMILY, partial(column, name="humidity_percent", late=body(0.01, 0.05)),
+     "Fick's law in a thin case", False, COLUMN),
+    ("clock_rate", "pair", "late_response", partial(clock, rate=True),
+     "Vig 1992, Introduction to Quartz Frequency Standards", False, ("clock_rate", "clock_offset")),
+    ("reading_step", "pair, there and back", "time", of_time(there_and_back), "a tool left on the pillar", False),
+    ("ageing", "pair, logarithm", "time", of_time(lambda t, _: np.log1p(20 * t)), "Nutting 1921; creep of a pillar", False, ("ageing", "warm_up")),
+    ("unnamed", "waves of a neighbour", "", swinging, "a process nearby", False),
+]]

@@ -1,10 +1,7 @@
 """Linear responses in continuous time, exact: a delay and a sum of relaxations."""
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np
-
 
 
 @dataclass(frozen=True)
@@ -60,22 +57,23 @@ def damped(tau: float, damping: float) -> Response:
     return Response(0.0, weights, pair)
 
 
+def of_modes(weights: np.ndarray, taus: np.ndarray) -> Response:
+    """Relaxations side by side; what is left out of them is direct."""
+    return Response(1 - weights.sum(), weights, taus)
+
+
 def plate(tau: float, modes: int = 12) -> Response:
     """Mean field in a conducting plate between equal fields, tanh(z)/z, z^2 = s tau, tau = mu0 sigma (thickness/2)^2.
 
-    Carslaw and Jaeger 1959, Conduction of Heat in Solids, 3.4; the modes left out are put in `direct`."""
+    Carslaw and Jaeger 1959, Conduction of Heat in Solids, 3.4."""
     k = 2 * np.arange(modes) + 1
-    weights = 8 / (np.pi * k) ** 2
-    return Response(1 - weights.sum(), weights, 4 * tau / (np.pi * k) ** 2)
+    return of_modes(8 / (np.pi * k) ** 2, 4 * tau / (np.pi * k) ** 2)
 
 
 def sphere(tau: float, modes: int = 20) -> Response:
-    """What a conducting sphere lets through of the field that its moment opposes: weights 6/(pi k)^2, times tau/k^2.
-
-    Wait 1951, Geophysics 16, 666; the modes left out are put in `direct`."""
+    """What a conducting sphere lets through of the field that its moment opposes. Wait 1951, Geophysics 16, 666."""
     k = np.arange(modes) + 1
-    weights = 6 / (np.pi * k) ** 2
-    return Response(1 - weights.sum(), weights, tau / k**2)
+    return of_modes(6 / (np.pi * k) ** 2, tau / k**2)
 
 
 def spread(tau: float, decades: float, terms: int = 9) -> Response:

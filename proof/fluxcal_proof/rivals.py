@@ -3,20 +3,23 @@
 Both choose among all columns of the document: straight, late by four relaxations, squared, and times the field, beside
 powers and products of the field, its rate, and time. Each column has the catalogue's name that a careful person gives it.
 """
-from __future__ import annotations
-
 import time
 from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
 
+from .basic import spanned
+
 ROWS, LATE_ROWS, MOST = 3000, (5, 20, 80, 300), 25
 # PySINDy: threshold in units of the residual, bags, share of bags that must have a column, rows at most.
 THRESHOLD, BAGS, INCLUDED, BAG_ROWS = 0.1, 10, 0.9, 1000
+# Names of what follows a temperature: straight and squared, late, and times the field.
+TEMPERATURES = {column: (f"offset_{name}", f"offset_{name}_lag", f"sensitivity_{name}") for column, name in
+                (("sensor_temperature_c", "temperature"), ("electronics_temperature_c", "electronics_temperature"))}
+# Of one sensor: its readings, columns that the calibration takes up, and candidates by name.
 Named = list[tuple[str, np.ndarray]]
-Blocks = list[tuple[np.ndarray, np.ndarray, Named]]
-TEMPERATURES = {"sensor_temperature_c": "temperature", "electronics_temperature_c": "electronics_temperature"}
+Block = tuple[np.ndarray, np.ndarray, Named]
 
 
 def late(x: np.ndarray, rows: float) -> np.ndarray:
@@ -25,83 +28,66 @@ def late(x: np.ndarray, rows: float) -> np.ndarray:
     return np.asarray(lfilter([1 - a], [1, -a], x - x[0]) + x[0])
 
 
-def values(columns: dict[str, Any], name: str) -> np.ndarray:
-    return np.array(columns[name], float)
-
-
-def sorts(name: str, axis: str, column: str) -> str:
-    """The name of a dependence that is `straight`, `late` or `product`."""
-    known = TEMPERATURES.get(column)
-    if known:
-        return {"straight": f"offset_{known}", "late": f"offset_{known}_lag", "product": f"sensitivity_{known}"}[name] + f" {axis}"
-    return "nulling_leakage" if column.startswith("outside") else f"dependence of {axis} on {column}"
-
-
-def campaign(document: dict[str, Any]) -> Blocks:
-    """For each sensor: readings, columns that the calibration takes up, and candidates."""
-    c, runs, out = document["calibration"], document["recordings"], []
+def campaign(document: dict[str, Any]) -> list[Block]:
+    c, runs = document["calibration"], document["recordings"]
     eta, mu = (np.array(c["axes"][part]["matrix"]) for part in ("coils", "sensors"))
     constant = np.array([c["coils"][k]["constant_nt_per_a"]["value"] for k in "xyz"])
+    start = min(run["columns"]["time_s"][0] for run in runs)
+    end = max(run["columns"]["time_s"][-1] for run in runs)
+
+    def block(run: dict[str, Any], s: int, axis: str) -> Block:
+        x, r = {name: np.array(column, float) for name, column in run["columns"].items()}, np.array(run["conditions"]["orientation"])
+        current, t = np.stack([x[f"coil_{k}_a"] for k in "xyz"]), x["time_s"]
+        field = mu.T @ r @ eta @ (constant[:, None] * current) / 5e4
+        b, u, v = field[s], field[(s + 1) % 3], field[(s + 2) % 3]
+        age = (t - start) / (end - start)
+        named: Named = [(f"quadratic_nonlinearity {axis}", b**2), (f"cubic_nonlinearity {axis}", b**3), (f"loop_bandwidth {axis}", np.gradient(b, t)),
+                        *[(f"cross_field {axis}", y) for y in (u * u, v * v, u * v)], *[(f"cross_field_sensitivity {axis}", b * y) for y in (u, v)],
+                        (f"ageing {axis}", age), (f"sensitivity_ageing {axis}", b * age), *[(f"warm_up {axis}", np.exp(-age / y)) for y in (0.03, 0.1, 0.3)]]
+        for k, (name, i) in enumerate(zip("xyz", current)):
+            named.append((f"coil_temperature {name}", i * (mu[:, s] @ r @ eta[:, k]) * (x["coil_temperature_c"] - 21)))
+        base = np.vstack([r @ eta @ (constant[:, None] * current), np.ones(len(t)), *[(mu[:, s] @ r)[a] * current for a in range(3)],
+                          np.outer(mu[:, s] @ r, np.ones(len(t)))])
+        return x[f"sensor_{axis}_nt"], base, named + dependences(x, axis, b)
+
+    out = []
     for s, axis in enumerate("xyz"):
-        parts: list[tuple[np.ndarray, np.ndarray, Named]] = []
-        start = min(run["columns"]["time_s"][0] for run in runs)
-        end = max(run["columns"]["time_s"][-1] for run in runs)
-        for run in runs:
-            x, r = run["columns"], np.array(run["conditions"]["orientation"])
-            current = np.stack([values(x, f"coil_{k}_a") for k in "xyz"])
-            field = mu.T @ r @ eta @ (constant[:, None] * current) / 5e4
-            b, u, v = field[s], field[(s + 1) % 3], field[(s + 2) % 3]
-            t = values(x, "time_s")
-            age = (t - start) / (end - start)
-            named: Named = [(f"quadratic_nonlinearity {axis}", b**2), (f"cubic_nonlinearity {axis}", b**3), (f"loop_bandwidth {axis}", np.gradient(b, t)),
-                            *[(f"cross_field {axis}", y) for y in (u * u, v * v, u * v)], *[(f"cross_field_sensitivity {axis}", b * y) for y in (u, v)],
-                            (f"ageing {axis}", age), (f"sensitivity_ageing {axis}", b * age), *[(f"warm_up {axis}", np.exp(-age / y)) for y in (0.03, 0.1, 0.3)]]
-            for k, i in zip("xyz", current):
-                named.append((f"coil_temperature {k}", i * (mu[:, s] @ r @ eta[:, "xyz".index(k)]) * (values(x, "coil_temperature_c") - 21)))
-            named += dependences(x, axis, b)
-            base = np.vstack([r @ eta @ (constant[:, None] * current), np.ones(len(t)), *[(mu[:, s] @ r)[a] * current for a in range(3)],
-                              np.outer(mu[:, s] @ r, np.ones(len(t)))])
-            parts.append((values(x, f"sensor_{axis}_nt"), base, named))
-        names = [name for name, _ in parts[0][2]]
-        merged = [(name, np.concatenate([part[2][i][1] for part in parts])) for i, name in enumerate(names)]
-        out.append((np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts], 1), merged))
+        readings, bases, named = zip(*(block(run, s, axis) for run in runs))
+        merged = [(one[0][0], np.concatenate([column for _, column in one])) for one in zip(*named)]
+        out.append((np.concatenate(readings), np.concatenate(bases, 1), merged))
     return out
 
 
-def dependences(x: dict[str, Any], axis: str, field: np.ndarray | None) -> Named:
-    """All columns that are no field, drive or time."""
-    own: Named = []
-    for column in x:
-        if column == "time_s" or column[:-4] in ("sensor_", "test_", "reference_") or column in ("coil_x_a", "coil_y_a", "coil_z_a"):
-            continue
-        y = values(x, column)
-        y = np.where(np.isfinite(y), y, np.nanmean(y)) - np.nanmean(y)
-        own += [(sorts("straight", axis, column), y), (sorts("straight", axis, column), y**2)]
-        own += [(sorts("late", axis, column), late(y, rows)) for rows in LATE_ROWS]
-        own += [(sorts("product", axis, column), y * field)] if field is not None else []
-    return own
-
-
-def pair(document: dict[str, Any]) -> Blocks:
-    """For each axis of the test instrument."""
-    x, out = document["recordings"][0]["columns"], []
-    t = values(x, "time_s")
-    reference = np.stack([values(x, f"reference_{k}_nt") for k in "xyz"])
+def pair(document: dict[str, Any]) -> list[Block]:
+    x, out = {name: np.array(column, float) for name, column in document["recordings"][0]["columns"].items()}, []
+    t, reference = x["time_s"], np.stack([x[f"reference_{k}_nt"] for k in "xyz"])
     age = (t - t[0]) / (t[-1] - t[0])
     for axis in "xyz":
         named: Named = [("ageing", age), *[("warm_up", np.exp(-age / y)) for y in (0.03, 0.1, 0.3)], *[("clock_offset", np.gradient(y, t)) for y in reference]]
         named += [(f"dependence {column}", y) for column in x for _, y in dependences({column: x[column]}, axis, None)]
-        out.append((values(x, f"test_{axis}_nt"), np.vstack([np.ones(len(t)), reference]), named))
+        out.append((x[f"test_{axis}_nt"], np.vstack([np.ones(len(t)), reference]), named))
     return out
 
 
-def projected(block: tuple[np.ndarray, np.ndarray, Named]) -> tuple[np.ndarray, np.ndarray, list[str]]:
+def dependences(x: dict[str, np.ndarray], axis: str, field: np.ndarray | None) -> Named:
+    """All columns that are no field, drive or time."""
+    own: Named = []
+    for column, y in x.items():
+        if column == "time_s" or column[:-4] in ("sensor_", "test_", "reference_") or column in ("coil_x_a", "coil_y_a", "coil_z_a"):
+            continue
+        y = np.where(np.isfinite(y), y, np.nanmean(y)) - np.nanmean(y)
+        straight, slow, product = (f"{name} {axis}" for name in TEMPERATURES[column]) if column in TEMPERATURES else (
+            ("nulling_leakage" if column.startswith("outside") else f"dependence of {axis} on {column}",) * 3)
+        own += [(straight, y), (straight, y**2), *((slow, late(y, rows)) for rows in LATE_ROWS)]
+        own += [(product, y * field)] if field is not None else []
+    return own
+
+
+def projected(block: Block) -> tuple[np.ndarray, np.ndarray, list[str]]:
     """Residual and unit candidates beside the calibration's columns, on some thousand rows evenly spread."""
     reading, base, named = block
     rows = np.unique(np.linspace(0, len(reading) - 1, min(ROWS, len(reading))).astype(int))
-    base = (base / (np.linalg.norm(base, axis=1, keepdims=True) + 1e-300))[:, rows]
-    u, sizes, _ = np.linalg.svd(base.T, full_matrices=False)
-    u = u[:, sizes > 1e-9 * sizes[0]]
+    u = spanned(base[:, rows].T)
     x = np.stack([y[rows] for _, y in named], 1)
     x = x / (np.linalg.norm(x, axis=0) + 1e-300)
     x = x - u @ (u.T @ x)
@@ -156,8 +142,7 @@ def all_of(document: dict[str, Any]) -> dict[str, dict[str, Any]]:
     is_pair = document["recordings"][0]["procedure"] == "differential"
     if not is_pair and "axes" not in document.get("calibration", {}):
         return {}
-    blocks = pair(document) if is_pair else campaign(document)
-    ready = [projected(block) for block in blocks]
+    ready = [projected(block) for block in (pair if is_pair else campaign)(document)]
     prepared, out = time.monotonic() - started, {"nothing": {"names": [], "seconds": 0.0}}
     for title, choose in (("stepwise", stepwise), ("ensemble", ensemble)):
         started = time.monotonic()

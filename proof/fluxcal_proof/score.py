@@ -1,6 +1,4 @@
 """All outcomes of a round, counted."""
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -11,10 +9,8 @@ import numpy as np
 
 from . import folder as rounds
 from . import verdict
-from .effect import KINDS
+from .effects import KINDS
 from .verdict import Outcome
-
-RIVALS = ("stepwise", "ensemble", "nothing")
 
 
 @dataclass
@@ -41,7 +37,6 @@ def read(folder: Path) -> Round:
     """Opens the truths of a round and judges all answers; a case without an answer failed."""
     commitment, truths = rounds.open_truths(folder)
     families = {kind.name: kind.family for kind in KINDS}
-    families.setdefault("dependence", "follows_column")
     own: list[Outcome] = []
     others: dict[str, list[Outcome]] = {}
     for name, truth in sorted(truths.items(), key=lambda one: one[1]["number"]):
@@ -49,7 +44,7 @@ def read(folder: Path) -> Round:
         answer = json.loads(path.read_text()) if path.exists() else {"entry": None, "seconds": 0.0}
         own.append(verdict.judge(name, truth, answer))
         if path.exists():
-            forms(own[-1], folder, name)
+            forms(own[-1], folder)
         rivals: dict[str, Any] = dict(answer.get("rivals", {}))
         if "diffmag_seconds" in answer:
             told = verdict.of_diffmag(answer["diffmag"]) if answer["diffmag"] else None
@@ -57,21 +52,20 @@ def read(folder: Path) -> Round:
         for rival, said in rivals.items():
             entry = None if said["names"] is None else verdict.of_names(said["names"], families)
             others.setdefault(rival, []).append(verdict.judge(name, truth, {"entry": entry, "seconds": said["seconds"]}))
-    first = min(truths.values(), key=lambda truth: truth["number"])
-    return Round(commitment, first["seed"], first["set"], own, others)
+    return Round(commitment, own[0].truth["seed"], own[0].truth["set"], own, others)
 
 
-def forms(outcome: Outcome, folder: Path, name: str) -> None:
-    """How far predictions are off: of the answer over the floor, and with what `--empirical` adopts over the basic model."""
-    truth, expected = outcome.truth, np.load(folder / "truths" / f"{name}.npy")
-    with np.load(folder / "answers" / f"{name}.npz") as predicted:
+def forms(outcome: Outcome, folder: Path) -> None:
+    """How far predictions of new readings are off, rms: the answer's over the fitted truth's, what `--empirical` adopts over the basic model's."""
+    truth, expected = outcome.truth, np.load(folder / "truths" / f"{outcome.name}.npy")
+    with np.load(folder / "answers" / f"{outcome.name}.npz") as predicted:
         for key in predicted.files if len(expected) else ():
-            ratio = verdict.form(truth, expected, predicted[key])
+            off, left_nt = np.nanmean((predicted[key] - expected) ** 2), truth["taken_nt" if key == "diagnose" else "before_nt"]
+            ratio = float(np.sqrt((truth["noise_nt"] ** 2 + off) / (truth["noise_nt"] ** 2 + left_nt**2)))
             if key == "diagnose":
                 outcome.form = ratio
             else:
-                floor, before = np.hypot(truth["noise_nt"], truth["taken_nt"]), np.hypot(truth["noise_nt"], truth["before_nt"])
-                outcome.empirical = ratio * float(floor / before)
+                outcome.empirical = ratio
 
 
 def count(of: Iterable[Outcome], hit: Callable[[Outcome], bool]) -> tuple[int, int]:

@@ -1,6 +1,4 @@
 """Functions of continuous time: waves, steps and what linear responses make of them, exact at every instant."""
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 
 import numpy as np

@@ -1,6 +1,4 @@
 """What an answer claims, held against the truth: family, member and form."""
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,7 +8,6 @@ import numpy as np
 NAMED, MENTIONED, SHARE = 0.9, 0.05, 0.01
 # The rms with an answer may be so much larger than the rms with the truth.
 FORM = 1.05
-Claims = list[list[str]]
 
 
 @dataclass
@@ -21,12 +18,12 @@ class Outcome:
     truth: dict[str, Any]
     verdict: str
     seconds: float
-    claims: Claims
+    claims: list[list[str]]
     # For each concealed effect: whether its family was told, and `right`, `set` or `none`.
     families: list[bool] = field(default_factory=list)
     members: list[str] = field(default_factory=list)
     # Names, alone or in a set, that are not right.
-    wrong: Claims = field(default_factory=list)
+    wrong: list[list[str]] = field(default_factory=list)
     form: float | None = None
     empirical: float | None = None
     printed: list[tuple[float, bool]] = field(default_factory=list)
@@ -62,13 +59,13 @@ def matches(name: str, right: list[list[str]]) -> bool:
     return any(words[0] == effect and (not target or target in words[1:]) for effect, target in right)
 
 
-def claims(entry: dict[str, Any]) -> Claims:
+def claims(entry: dict[str, Any]) -> list[list[str]]:
     """For each effect the names that are indistinguishable: the list of sets goes through the effects in order."""
-    out: Claims = [[word(effect)] for effect in entry.get("effects", [])]
+    out = [[word(effect)] for effect in entry.get("effects", [])]
     at = -1
     for members in entry.get("ambiguity", []):
         name = " with ".join(members)
-        begins = next((i for i, names in enumerate(out) if i > at and len(names) == 1 and names[0] == name.split(' in "')[0]), None)
+        begins = next((i for i in range(at + 1, len(out)) if out[i] == name.split(' in "')[:1]), None)
         if begins is not None:
             at = begins
         elif at >= 0:
@@ -92,10 +89,9 @@ def told_by_family(entry: dict[str, Any]) -> dict[str, list[str]]:
 
 
 def judge(name: str, truth: dict[str, Any], answer: dict[str, Any]) -> Outcome:
-    """Holds an answer against the truth."""
-    entry = answer["entry"]
+    entry, number = answer["entry"], len(truth["effects"])
     if entry is None:
-        return Outcome(name, truth, "failed", answer["seconds"], [], [False] * len(truth["effects"]), ["none"] * len(truth["effects"]))
+        return Outcome(name, truth, "failed", answer["seconds"], [], [False] * number, ["none"] * number)
     told, named = claims(entry), told_by_family(entry)
     out = Outcome(name, truth, entry["verdict"], answer["seconds"], told)
     rights = [right for effect in truth["effects"] for right in effect["right"]]
@@ -130,7 +126,7 @@ def of_diffmag(fit: dict[str, Any]) -> list[str]:
     return sorted(names)
 
 
-def member(effect: dict[str, Any], told: Claims, of_family: list[str]) -> str:
+def member(effect: dict[str, Any], told: list[list[str]], of_family: list[str]) -> str:
     """`right`, `set`, `wrong` (one name where nobody can tell) or `none`."""
     own = [names for names in told if any(matches(name, effect["right"]) for name in names)]
     mentioned = [name for names in own for name in names] + of_family
@@ -158,9 +154,3 @@ def departures(effect: dict[str, Any], entry: dict[str, Any]) -> list[tuple[str,
                 half = abs((quantity["interval_95"][true > quantity["value"]] or np.inf) - quantity["value"])
             out.append((f"{found['effect']}.{key}", float((quantity["value"] - true) / half * 1.96)))
     return out
-
-
-def form(truth: dict[str, Any], expected: np.ndarray, predicted: np.ndarray) -> float:
-    """Rms of new readings about a prediction, over that about the fitted truth."""
-    off = np.nanmean((predicted - expected) ** 2)
-    return float(np.sqrt((truth["noise_nt"] ** 2 + off) / (truth["noise_nt"] ** 2 + truth["taken_nt"] ** 2)))

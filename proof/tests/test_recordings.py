@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from fluxcal_proof.recordings import STRENGTHS, Host, by_hand, injections, suits
+from fluxcal_proof.recordings import by_hand
 from fluxcal_proof.recordings.__main__ import SETS, run, whole
 from fluxcal_proof.recordings.alone import drive
+from fluxcal_proof.recordings.hosts import STRENGTHS, Host, effects, injections
 from fluxcal_proof.recordings.page import figures, plus_minus, three
 from fluxcal_proof.recordings.programs import Programs, Series, relaxed, rms
 
@@ -64,21 +65,18 @@ class RealRecordings(unittest.TestCase):
         for kind, beside in (("pair", columns("reference", field(T))), ("ambient", columns("ambient", field(T))), ("single", {}), ("scalar", scalar)):
             own = columns("test" if kind == "pair" else "sensor", NOISE + (0 if kind == "single" else field(T)))
             series = Series(pd.DataFrame({"time_s": T, **own, **beside, "sensor_temperature_c": np.sin(T / 9000)}), 1.0e9)
-            host = Host("made up", "", "", series, LEVEL * (kind == "scalar"), 0.0)
+            host = Host("made up", series, LEVEL * (kind == "scalar"), 0.0)
             assert host.kind == kind and abs(host.scatter_nt / 0.1 - 1) < 0.1
             some = injections([host], 3, 20)
-            assert [one.truth for one in some] == [one.truth for one in injections([host], 3, 20)]
-            assert len(some) == 20 and {one.truth["member"] for one in some} <= set(suits(host))
-            for document, truth, untouched in some:
-                assert truth["strength"] in STRENGTHS and abs(truth["left_nt"] / (truth["strength"] * host.scatter_nt) - 1) < 0.1
-                before, after = (one["recordings"][0]["columns"] for one in (untouched, document))
+            assert [one.truth for one in some] == [one.truth for one in injections([host], 3, 20)] and len(some) == 20
+            for one in some:
+                (effect,) = one.truth["effects"]
+                assert effect["kind"] in effects(host, 0, np.random.default_rng(0)) and effect["strength"] in STRENGTHS
+                assert abs(effect["left_nt"] / (effect["strength"] * host.scatter_nt) - 1) < 0.1
+                before, after = (document["recordings"][0]["columns"] for document in (host.document, one.document))
                 assert {name for name in before if before[name] != after[name]} <= set(own)
 
     def test_every_set_says_that_its_folder_is_missing(self) -> None:
         with tempfile.TemporaryDirectory() as nowhere:
             text = whole([run(Programs(Path(nowhere), Path(nowhere)), name) for name in SETS])
         assert text.count("\nNot run: no folder `") == len(SETS) and nowhere not in text
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -2,12 +2,14 @@
 import ast
 import hashlib
 import json
+import sys
 import tempfile
 import unittest
 from pathlib import Path
 
-from fluxcal_proof import cases, folder, goals, groups, plan, rivals, score, verdict
-from fluxcal_proof.effect import KINDS
+import numpy as np
+
+from fluxcal_proof import cases, effects, folder, goals, groups, pairs, plan, rivals, score, verdict
 
 PACKAGE = Path(folder.__file__).parent
 ALLOWED = {"numpy", "scipy", "matplotlib", "pandas", "pysindy", "fluxcal_proof"}
@@ -15,27 +17,25 @@ ALLOWED = {"numpy", "scipy", "matplotlib", "pandas", "pysindy", "fluxcal_proof"}
 
 class Package(unittest.TestCase):
     def test_it_imports_nothing_of_fluxcal(self) -> None:
-        import sys
-
         for path in PACKAGE.rglob("*.py"):
             for node in ast.walk(ast.parse(path.read_text())):
-                names = [a.name for a in node.names] if isinstance(node, ast.Import) else [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
+                names = [a.name for a in node.names] if isinstance(node, ast.Import) else []
+                names += [node.module or ""] if isinstance(node, ast.ImportFrom) and not node.level else []
                 for name in names:
                     root = name.split(".")[0]
                     self.assertTrue(root in ALLOWED or root in sys.stdlib_module_names, f"{path.name} imports {name}")
 
     def test_each_group_has_kinds_of_every_sort(self) -> None:
         for of, least in (("develop", 30), ("score", 20)):
-            self.assertGreaterEqual(len(groups.kinds(of, "single")), least, of)
-            self.assertGreaterEqual(len(groups.kinds(of, "unnamed")), 4)
-        known = {(kind.name, kind.form) for kind in KINDS}
-        self.assertEqual(groups.DEVELOP - known, set())
+            self.assertGreaterEqual(len(groups.of_group(effects.KINDS, of, "single")), least, of)
+            self.assertGreaterEqual(len(groups.of_group(effects.KINDS, of, "unnamed")), 4)
+            self.assertGreaterEqual(len(groups.of_group(pairs.KINDS, of, "single")), 9)
 
     def test_a_round_has_its_shares(self) -> None:
-        specs = [plan.spec(number) for number in range(1000)]
-        self.assertGreaterEqual(sum(spec.day for spec in specs), 20)
-        self.assertGreaterEqual(sum(spec.sort == "clean" for spec in specs), 100)
-        self.assertAlmostEqual(sum(spec.sort == "pair" for spec in specs) / 1000, 1 / 3, delta=0.01)
+        sorts = [plan.sort(number) for number in range(1000)]
+        self.assertGreaterEqual(sum(sort == "pair" and index % plan.DAY_EVERY == 10 for sort, index in sorts), 20)
+        self.assertGreaterEqual(sum(sort == "clean" for sort, _ in sorts), 100)
+        self.assertAlmostEqual(sum(sort == "pair" for sort, _ in sorts) / 1000, 1 / 3, delta=0.01)
 
 
 class Seals(unittest.TestCase):
@@ -104,8 +104,6 @@ class Verdicts(unittest.TestCase):
 
 class Rivals(unittest.TestCase):
     def test_stepwise_finds_what_least_squares_shows(self) -> None:
-        import numpy as np
-
         rng = np.random.default_rng(2)
         x = rng.normal(size=(400, 8))
         y = 0.5 * x[:, 2] - 0.3 * x[:, 5] + 0.2 * rng.normal(size=400)

@@ -16,7 +16,7 @@ SETS = {
     "conrad-scalar": lambda p, page: lengths.study(p, page, [lengths.read_conrad(p, date, 60) for date in page.words["parts"]], CONRAD_NT),
     "vernadsky": lambda p, page: lengths.study(p, page, p.read("vernadsky").complete().means(60).split(DAY_S * 2 / 3), VERNADSKY_NT),
     "cobenzl-scalar": lengths.cobenzl, "w2naf": alone.w2naf, "marg-static": alone.marg, "marg-rotations": lengths.marg,
-    "phone": lengths.phone, "marg-scalarcal": lengths.runs, "phone-scalarcal": lengths.runs, "quadrotor-scalarcal": lengths.michigan,
+    "phone": lengths.phone, "marg-scalarcal": lengths.runs, "phone-scalarcal": lengths.runs, "quadrotor-scalarcal": lengths.runs,
     "square-wave": alone.square_wave, "gradiometer": alone.gradiometer,
 }
 

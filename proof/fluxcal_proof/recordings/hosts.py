@@ -10,33 +10,35 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from ..basic import spanned
+from ..plan import Case
 from . import alone, lengths, pairs
 from .by_hand import affine, least_squares, left, test
 from .lengths import CONRAD_NT, NONE, VERNADSKY_NT
 from .programs import AXES, DAY_S, TOML, Programs, Series, relaxed, rms
 
+INJECTED, RECORDED, COUNT = 1_000_000, 2_000_000, 100  # numbers of cases from which on, and how many injections
 STRENGTHS = (3.0, 1.0, 10.0, 0.3)  # times the scatter of the host
 CLOSE = 0.1  # accepted departure from the wanted strength
 LEAST_LEFT = 0.05  # a fresh calibration leaves at least so much of the changes of an effect
 LEAST_ALONG = 0.1  # least share of the field in the sensor, where the length alone is seen
 MOST_NT = 60_000.0  # the most that may be added to a reading
 COBENZL_EARLY_S = 18.38  # what the LEMI stamps its minutes too early by: diffmag --correct-clock over twelve days
+# By kind a column that tells it, the instrument, and what its field is known from.
+KINDS = {"pair": ("test_x_nt", "test", "reference"), "scalar": ("reference_nt", "sensor", "sensor"), "ambient": ("ambient_x_nt", "sensor", "ambient"),
+         "single": ("time_s", "sensor", "sensor")}
 
 
 class Host:
     """A recording as a document, with what a calibration can take up of an effect that is added to it."""
 
-    def __init__(self, name: str, words: str, source: str, series: Series, offset_nt: np.ndarray, code_nt: float) -> None:
-        self.name, self.words, self.source, self.series, self.code_nt = name, words, source, series, code_nt
-        self.rows, self.time_s, there = len(series), series.time_s, series.frame
-        self.kind = next(kind for kind, column in {"pair": "test_x_nt", "scalar": "reference_nt", "ambient": "ambient_x_nt",
-                                                   "single": "time_s"}.items() if column in there)
-        self.instrument = "test" if self.kind == "pair" else "sensor"
-        self.readings, procedure, conditions = series.vectors(self.instrument), "free_run", {}
+    def __init__(self, name: str, series: Series, offset_nt: np.ndarray, code_nt: float) -> None:
+        self.name, self.series, self.code_nt = name, series, code_nt
+        self.rows, self.time_s = len(series), series.time_s
+        self.kind, self.instrument, known = next((kind, *roles) for kind, (column, *roles) in KINDS.items() if column in series.frame)
+        self.readings, field, procedure, conditions = series.vectors(self.instrument), series.vectors(known), "free_run", {}
         if self.kind == "single":  # what the field is nobody knows; its level is taken off by the offset
             offset_nt, field = -self.readings.mean(axis=0), 0 * self.readings
-        else:
-            field = series.vectors({"pair": "reference", "ambient": "ambient", "scalar": "sensor"}[self.kind])
         self.fields = field + offset_nt * (self.kind == "scalar")
         calibration = {"sensors": {axis: {"offset_nt": nt} for axis, nt in zip(AXES, offset_nt)}}
         if self.kind == "pair":
@@ -45,11 +47,9 @@ class Host:
             calibration = {"differential": {"matrix": np.array(eta).tolist(), "offset_nt": dict(zip(AXES, d_nt))}}
         elif self.kind == "ambient":
             conditions = {"orientation": np.eye(3).tolist()}
-        self.document = {"fluxcal": 1, "title": name, "calibration": calibration,
+        self.document = {"fluxcal": 1, "title": "a recording", "calibration": calibration,
                          "recordings": [series.recording("run", procedure, **conditions)]}
-        design = np.column_stack([np.ones(self.rows), field - field.mean(axis=0)])
-        basis, sizes, _ = np.linalg.svd(design / np.maximum(np.linalg.norm(design, axis=0), 1e-300), full_matrices=False)
-        self._basis = basis[:, sizes > 1e-9]
+        self._basis = spanned(np.column_stack([np.ones(self.rows), field - field.mean(axis=0)]))
         residual = lengths.mismatch(series, offset_nt)[:, None] if self.kind == "scalar" else self.readings
         self.scatter_nt = float(rms(self._without_constants(residual), axis=None))
 
@@ -63,6 +63,10 @@ class Host:
         if self.kind == "scalar":
             added = (np.linalg.norm(self.fields + added, axis=1) - np.linalg.norm(self.fields, axis=1))[:, None]
         return float(rms(self._without_constants(added)).max())
+
+    def case(self, sort: str, document: dict, effects: list[dict]) -> Case:
+        """What its documents predict is not held against a truth, which nobody knows."""
+        return Case(document, dict(sort=sort, effects=effects, noise_nt=0.0, rows=self.rows, manners=[self.name]), np.zeros(0))
 
     def with_added(self, nt: np.ndarray) -> dict:
         """The document with something added; what was read code by code is codes again, and the rest stays as it was printed."""
@@ -127,8 +131,8 @@ def hosts(data: Path, programs: Path) -> list[Host]:
     """The candidates whose folder is there."""
     stages, found = Programs(programs, data), []
     for name, (folder, read, offset_nt, code_nt) in CANDIDATES.items():
-        if (Path(data) / folder).is_dir():
-            found.append(Host(name, TOML["hosts"][name], TOML["sources"][folder], read(stages), offset_nt, code_nt))
+        if (data / folder).is_dir():
+            found.append(Host(name, read(stages), offset_nt, code_nt))
         else:
             print(f"{name}: no host, no folder {folder} with the recordings")
     return found
@@ -142,14 +146,6 @@ class Effect(NamedTuple):
     act: Callable[[float], np.ndarray]
     parameters: Callable[[float], dict[str, float]] = lambda s: {}
     also: tuple[str, ...] = ()  # other names that are right
-
-
-class Injection(NamedTuple):
-    """A document, what is true of it, and the document as it came."""
-
-    document: dict
-    truth: dict
-    untouched: dict
 
 
 def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effect]:
@@ -180,7 +176,8 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
     late, follows, time, moments, field = "late_response", "follows_column", "time", "moments", {"field"}
     members = {
         # Three equal poles of s in sum: Auster et al. 2008, Space Sci. Rev. 141, 235.
-        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, relaxed(t, b, s / 3), s / 3), s / 3) - b, lambda s: {"lag_s": s, "delay_s": s}, ("delay",)),
+        "loop_bandwidth": Effect(late, field, lambda s: relaxed(t, relaxed(t, relaxed(t, b, s / 3), s / 3), s / 3) - b,
+                                 lambda s: {"lag_s": s, "delay_s": s}, ("delay",)),
         # δ = B(t − s) − B(t): Primdahl 1979, J. Phys. E 12, 241; of all sensors: INTERMAGNET Technical Reference Manual.
         "delay": Effect(late, field, lambda s: moved(s)[:, sensor], lambda s: {"lag_s": s, "delay_s": s}, ("loop_bandwidth",)),
         "clock_offset": Effect(late, field, lambda s: moved(sign * s), lambda s: {"offset_s": sign * s}),
@@ -220,8 +217,8 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
     return {name: one for name, one in members.items() if one.needs <= host.has}
 
 
-def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> Injection | None:
-    """An effect of so many times the scatter of the host; None where it does not show there, or cannot be reached."""
+def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> Case | None:
+    """An effect that leaves so many times the scatter of the host; None where it does not show there, or cannot be reached."""
     wanted_nt, along, blind = strength * host.scatter_nt, np.abs(host.fields.mean(axis=0)), host.kind == "scalar"
     for _ in range(12):  # sensors and moments are drawn until one shows
         sensor, size = int(rng.integers(3)), 1.0
@@ -237,24 +234,17 @@ def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> 
         shows = left_nt >= LEAST_LEFT * nt.std(axis=0).max() and np.abs(nt).max() <= MOST_NT
         if sees and shows and abs(left_nt / wanted_nt - 1) < CLOSE:
             # The length of a vector that points one way shows no sensor, nor sizes: a name is right on any of them and without one.
-            sensors, own, twice = [AXES[sensor]] if one and not blind else [], effect.parameters(size), effect.parameters(2 * size)
-            targets = ["", *AXES] if blind else sensors or [""]
-            return Injection(host.with_added(nt), {
-                "host": host.name, "kind": host.kind, "family": effect.family, "member": name, "sensors": sensors,
-                "accepted": [f"{known} {axis}".strip() for known in (name, *effect.also) for axis in targets],
-                "parameters": {key: float(value) for key, value in own.items() if not blind or value == twice[key]},
-                "strength": strength, "left_nt": left_nt, "scatter_nt": host.scatter_nt}, host.document)
+            targets, own, twice = ["", *AXES] if blind else [AXES[sensor] if one else ""], effect.parameters(size), effect.parameters(2 * size)
+            return host.case("injected", host.with_added(nt), [dict(
+                kind=name, form="in a real recording", family=effect.family, source=host.name, strength=strength, undecidable=False, left_nt=left_nt,
+                right=[(known, axis) for known in (name, *effect.also) for axis in targets],
+                parameters={key: float(value) for key, value in own.items() if not blind or value == twice[key]})])
     return None
 
 
-def suits(host: Host) -> list[str]:
-    """The members of which a host has the inputs."""
-    return list(effects(host, 0, np.random.default_rng(0)))
-
-
-def injections(hosts: list[Host], seed: int, number: int) -> list[Injection]:
+def injections(hosts: list[Host], seed: int, number: int) -> list[Case]:
     """So many, if the hosts carry them: hosts by turns, each with its members in a drawn order, strengths by turns."""
-    found, members = [], [suits(host) for host in hosts]
+    found, members = [], [list(effects(host, 0, np.random.default_rng(0))) for host in hosts]
     for turn in range(10 * number):
         for k, host in enumerate(hosts):
             around, place = divmod(turn, len(members[k]))
@@ -264,3 +254,9 @@ def injections(hosts: list[Host], seed: int, number: int) -> list[Injection]:
             if len(found) == number:
                 return found
     return found
+
+
+def cases(data: Path, programs: Path, seed: int) -> list[tuple[int, Case]]:
+    """A hundred injections where the hosts carry them, then the hosts as they came, where nothing may be claimed; with their numbers."""
+    found = hosts(data, programs)
+    return [*enumerate(injections(found, seed, COUNT), INJECTED), *enumerate([host.case("recorded", host.document, []) for host in found], RECORDED)]

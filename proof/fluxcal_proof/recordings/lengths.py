@@ -40,8 +40,7 @@ def by_diagnose(programs: Programs, page: Page, parts: tuple[Series, Series], na
     document = programs.ask("diagnose", ["--refit"], fitted, given={"calibration": {"sensors": sensors}})
     after = corrected(programs, parts, document)
     nt = {"as it came": came, LEVEL: [one - came[0].mean() for one in came], way: hand, "corrected by what diagnose wrote": after}
-    if hand[0] is None:
-        del nt[way]
+    nt = {what: left for what, left in nt.items() if left[0] is not None}
     # The level alone, or the constants by hand: what predicts the last third of the fitted part better.
     first, last = parts[0].split(share=2 / 3)
     tried = WAYS[way](first, last, offset_nt)
@@ -193,9 +192,9 @@ def predict(programs: Programs, page: Page, fitted_run: tuple[str, Series], part
     return [*names, f"{way}: {three(100 * hand)}", told, how]
 
 
-def by_turns(programs: Programs, page: Page, runs: dict[str, Series], size_nt: float | None = None, pairs: bool = True) -> None:
-    """Halves of each run by turns; then the first run and each other."""
-    (alone, *others), rows = runs.items(), []
+def by_turns(programs: Programs, page: Page, runs: dict[str, Series]) -> None:
+    """Halves of each run by turns; then the first run and each other, where they are of one instrument."""
+    (alone, *others), rows, size_nt = runs.items(), [], page.words.get("magnitude_nt")
     for what, run in runs.items():
         first, last = zip((f"{what}, first half", f"{what}, second half"), run.split(share=0.5))
         rows += [predict(programs, page, *by, size_nt) for by in ((first, last), (last, first))]
@@ -205,20 +204,14 @@ def by_turns(programs: Programs, page: Page, runs: dict[str, Series], size_nt: f
         for one, other in zip(page.predictions[-2:], told[::-1]):
             if together < hand and not one.why:
                 one.why = page.words["turns"].format(hand=three(other[0]), programs=three(other[1]))
-    for other in others if pairs else []:
+    for other in others if "between" in page.words else []:
         rows += [predict(programs, page, *by, size_nt, page.words["between"]) for by in ((alone, other), (other, alone))]
     page.table(["fitted", "held out", "best by hand: spread of the magnitude, % of its mean", "scalarcal and correct, %",
                 "how scalarcal was run"], rows)
 
 
 def runs(programs: Programs, page: Page) -> None:
+    """Runs of one instrument, or instruments that do not predict each other, each by its recording and its role there."""
     for names in page.words["runs"]:
-        by_turns(programs, page, {name: programs.read(name).only("sensor") for name in names}, page.words.get("magnitude_nt"))
-
-
-def michigan(programs: Programs, page: Page) -> None:
-    """Two magnetometers of a quadrotor, and one that was to fly on a balloon."""
-    both, balloon = programs.read("quadrotor"), programs.read("balloon-on-ground")
-    by_turns(programs, page, {
-        "quadrotor, RM3100": both.only("test", "sensor"), "quadrotor, autopilot": both.only("reference", "sensor"),
-        "balloon before the flight, RM3100": balloon.only("sensor").complete()}, pairs=False)
+        roles = page.words.get("roles") or {name: (name, "sensor") for name in names}
+        by_turns(programs, page, {name: programs.read(roles[name][0]).only(roles[name][1], "sensor").complete() for name in names})

@@ -15,6 +15,10 @@ BINS = 120  # along a picture; each keeps its least and its greatest value
 STYLE = {"svg.hashsalt": "fluxcal", "svg.fonttype": "none", "font.size": 8, "lines.linewidth": 0.6}
 
 
+def table(head: list[str], rows: list[list[str]]) -> str:
+    return "".join(f"| {' | '.join(line)} |\n" for line in [head, ["---"] * len(head), *rows])
+
+
 def three(value: float) -> str:
     """To three digits at least, and no more than three decimals."""
     decimals = min(max(2 - floor(log10(abs(value))), 0), 3) if value else 0
@@ -98,7 +102,7 @@ class Page:
         self.headline.append(self.words[key].format(**figures))
 
     def table(self, head: list[str], rows: list[list[str]]) -> None:
-        self.text.append("".join(f"| {' | '.join(line)} |\n" for line in [head, ["---"] * len(head), *rows]))
+        self.text.append(table(head, rows))
 
     def items(self, items: list[str]) -> None:
         self.text += ["".join(f"- {item}\n" for item in items)] * bool(items)

@@ -19,21 +19,20 @@ class Matrix:
     """T = R η + d, nT, with what drifts or follows housekeeping."""
 
     eta: np.ndarray
-    d_nt: np.ndarray
+    offset_nt: dict  # d by axis
     fit: dict
     first_s: float  # of the fitted part
     middle_s: float
 
     @classmethod
-    def found(cls, document: dict, time_s: np.ndarray) -> "Matrix":
-        """As diffmag wrote it, of readings at these times."""
-        of = document["calibration"]["differential"]
-        d_nt = np.array([number(of["offset_nt"][axis]) for axis in AXES])
-        return cls(np.array(of["matrix"]), d_nt, of["fit"], time_s[0], time_s[[0, -1]].mean())
+    def found(cls, programs: Programs, time_s: np.ndarray, *recordings: dict, correct_clock: bool = False) -> "Matrix":
+        """What diffmag makes of recordings with readings at these times."""
+        of = programs.ask("diffmag", ["--correct-clock"] * correct_clock, *recordings)["calibration"]["differential"]
+        return cls(np.array(of["matrix"]), of["offset_nt"], of["fit"], time_s[0], time_s[[0, -1]].mean())
 
     def apart(self, series: Series) -> np.ndarray:
         """T − R η − d of each row, nT."""
-        return series.vectors("test") - series.vectors("reference") @ self.eta - self.d_nt
+        return series.vectors("test") - series.vectors("reference") @ self.eta - [number(self.offset_nt[axis]) for axis in AXES]
 
     def left(self, series: Series) -> np.ndarray:
         """The same without what goes on."""
@@ -91,10 +90,10 @@ def study(programs: Programs, page: Page, parts: tuple[Part, Part], correct_cloc
     """Runs diffmag on the first part and shows what its matrix leaves of both."""
     fitted, held_out = page.words["parts"]
     recordings = [series.recording(id, "differential") for series, id in zip(parts[0], ("reference", "test"))]
-    document = programs.ask("diffmag", ["--correct-clock"] * correct_clock, *recordings)
     raw = [side_by_side(part, 0.0) for part in parts]
-    found = Matrix.found(document, raw[0].time_s)
-    levels = Matrix(np.eye(3), (raw[0].vectors("test") - raw[0].vectors("reference")).mean(axis=0), {}, 0.0, 0.0)
+    found = Matrix.found(programs, raw[0].time_s, *recordings, correct_clock=correct_clock)
+    level_nt = (raw[0].vectors("test") - raw[0].vectors("reference")).mean(axis=0)
+    levels = Matrix(np.eye(3), dict(zip(AXES, level_nt)), {}, 0.0, 0.0)
     clock = [correct_clock * number(found.fit["clock"][key]) for key in ("offset_s", "rate_ppm")]
     aligned = [side_by_side(part, clock[0], 1e-6 * clock[1], found.middle_s) for part in parts]
     before, after = [levels.apart(series) for series in raw], [found.left(series) for series in aligned]
@@ -109,8 +108,8 @@ def study(programs: Programs, page: Page, parts: tuple[Part, Part], correct_cloc
     page.head("pair_head", fitted=fitted, held_out=held_out, after=each(scatter(after[1])), before=each(scatter(before[1])))
     worse = " and ".join(axis for axis, a, b in zip(AXES, scatter(after[1]), scatter(before[1])) if a >= b)
     page.tell("pair_worse" if worse else "pair_better", axes=worse)
-    offsets = [quantity(document["calibration"]["differential"]["offset_nt"][axis]) for axis in AXES]
-    page.table(["", "from reference x", "y", "z", "offset, nT"], [[*row, nt] for row, nt in zip(found.elements("test"), offsets)])
+    rows = [[*row, quantity(found.offset_nt[axis])] for row, axis in zip(found.elements("test"), AXES)]
+    page.table(["", "from reference x", "y", "z", "offset, nT"], rows)
     page.say(f"Clock of the test instrument: {found.clock()}.")
     curves = {what: np.vstack([one.apart(series) for series in aligned]).T for what, one in
               (("levels alone", levels), ("with the matrix", found))}
@@ -146,7 +145,7 @@ def meson_hall(programs: Programs, page: Page) -> None:
     parts = whole.rows(stretch == np.bincount(stretch).argmax()).split(share=2 / 3)
     found = study(programs, page, [(part.only("reference"), part.only("test")) for part in parts], correct_clock=False)
     recordings = [whole.only(role).recording(role, "differential") for role in ("reference", "test")]
-    of_whole = Matrix.found(programs.ask("diffmag", [], *recordings), whole.time_s)
+    of_whole = Matrix.found(programs, whole.time_s, *recordings)
     page.known.append(of_whole.finding("the matrix is not constant", "of the whole run: "))
     page.head("shares", shares=each(np.linalg.norm(found.eta, axis=0)))
 
@@ -180,7 +179,7 @@ def balloon(programs: Programs, page: Page) -> None:
     page.say("By least squares of this page's own, rms of x; y; z in nT:")
     page.table(["explanation", "cooling (fitted)", "coldest and warming (held out)"], rows)
     page.tell("slopes", slopes=each(slopes))
-    found = Matrix.found(programs.ask("diffmag", [], fitted.recording("flight", "differential")), fitted.time_s)
+    found = Matrix.found(programs, fitted.time_s, fitted.recording("flight", "differential"))
     page.say(f"`diffmag`, fitted to the same part, answers: {found.fit['answer']}.")
     predict(page, by_hand.best_of_pair(lambda _: fitted, lambda _: held_out), found.left(held_out))
     document = programs.ask("diagnose", [], flight.recording("flight", "differential"))
@@ -196,7 +195,7 @@ def boulder(programs: Programs, page: Page) -> None:
     """Between raw and adjusted minutes is one matrix, which diffmag must give back."""
     raw, adjusted = read(programs, "boulder-raw", "boulder-adjusted")
     fitted, held_out = parts = raw.joined(adjusted).complete().split(share=0.5)
-    found = Matrix.found(programs.ask("diffmag", [], fitted.recording("adjusted", "differential")), fitted.time_s)
+    found = Matrix.found(programs, fitted.time_s, fitted.recording("adjusted", "differential"))
     left = [found.apart(part) for part in parts]
     told = [each(rms(one), "{:.4f}".format) for one in left]
     predict(page, by_hand.best_of_pair(lambda _: fitted, lambda _: held_out), left[1])

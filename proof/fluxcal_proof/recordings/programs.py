@@ -1,6 +1,4 @@
 """The programs as they are shipped, each run by itself, and the recordings that they read, as columns."""
-from __future__ import annotations
-
 import json
 import os
 import subprocess
@@ -26,7 +24,7 @@ class Series:
     start_s: float = 0.0  # seconds since 1970 at which time_s is zero; 0 where no moment is stated
 
     @classmethod
-    def of(cls, document: dict) -> Series:
+    def of(cls, document: dict) -> "Series":
         """The first recording of a document."""
         recording = document["recordings"][0]
         start_s = pd.Timestamp(recording["start"]).timestamp() if "start" in recording else 0.0
@@ -46,34 +44,34 @@ class Series:
         """`{instrument}_x_nt`, `_y_nt`, `_z_nt`, one row a reading."""
         return self.frame[[f"{instrument}_{axis}_nt" for axis in AXES]].to_numpy(float)
 
-    def assign(self, **columns: object) -> Series:
+    def assign(self, **columns: object) -> "Series":
         return replace(self, frame=self.frame.assign(**columns))
 
-    def only(self, old: str, new: str = "") -> Series:
+    def only(self, old: str, new: str = "") -> "Series":
         """Time and the vectors of one instrument, which may get another name."""
         names = {f"{old}_{axis}_nt": f"{new or old}_{axis}_nt" for axis in AXES}
         return replace(self, frame=self.frame[["time_s", *names]].rename(columns=names))
 
-    def rows(self, keep: np.ndarray | slice) -> Series:
+    def rows(self, keep: np.ndarray | slice) -> "Series":
         return replace(self, frame=self.frame[keep].reset_index(drop=True))
 
-    def complete(self) -> Series:
+    def complete(self) -> "Series":
         """The rows with every reading there."""
         return replace(self, frame=self.frame.dropna(ignore_index=True))
 
-    def between(self, from_s: float, to_s: float) -> Series:
+    def between(self, from_s: float, to_s: float) -> "Series":
         return self.rows((self.time_s >= from_s) & (self.time_s < to_s))
 
-    def split(self, at_s: float = 0.0, share: float | None = None) -> tuple[Series, Series]:
+    def split(self, at_s: float = 0.0, share: float | None = None) -> "tuple[Series, Series]":
         """What is before a moment, which may be a share of the time that is covered, and the rest."""
         at_s = at_s if share is None else self.time_s[0] + share * np.ptp(self.time_s)
         return self.between(-np.inf, at_s), self.between(at_s, np.inf)
 
-    def on_clock(self, start_s: float) -> Series:
+    def on_clock(self, start_s: float) -> "Series":
         """The same readings on a clock that is zero at `start_s`."""
         return Series(self.frame.assign(time_s=self.time_s + (self.start_s - start_s)), start_s)
 
-    def means(self, step_s: float, least: float = 0.9) -> Series:
+    def means(self, step_s: float, least: float = 0.9) -> "Series":
         """Means over blocks of the clock, at their middle; blocks with less than the share `least` of the usual rows are left out."""
         block = np.floor(self.time_s / step_s)
         first = np.flatnonzero(np.diff(block, prepend=np.nan))
@@ -82,12 +80,12 @@ class Series:
         usual = np.sort(number)[len(number) // 2]
         return replace(self, frame=means).assign(time_s=(block[first] + 0.5) * step_s).rows(number >= least * usual)
 
-    def joined(self, other: Series) -> Series:
+    def joined(self, other: "Series") -> "Series":
         """The rows whose times both have, to a millisecond, with the columns of both."""
         left, right = (one.frame.set_index(np.rint(1000 * one.time_s).astype(np.int64)) for one in (self, other.on_clock(self.start_s)))
         return replace(self, frame=left.join(right.drop(columns="time_s"), how="inner").reset_index(drop=True))
 
-    def at(self, times: np.ndarray) -> Series:
+    def at(self, times: np.ndarray) -> "Series":
         """The readings at other times, by straight lines; missing outside, and between neighbours more than 1.5 usual steps apart."""
         own = self.time_s
         steps, after = np.diff(own), np.clip(np.searchsorted(own, times), 1, len(own) - 1)
@@ -132,11 +130,12 @@ class Refused(Exception):
         self.program = program
 
 
+@dataclass(frozen=True)
 class Programs:
     """Programs in one folder, recordings in another."""
 
-    def __init__(self, programs: Path, data: Path) -> None:
-        self.folder, self.data = Path(programs), Path(data)
+    folder: Path
+    data: Path
 
     def read(self, name: str) -> Series:
         """A recording of sets.toml, by `ingest`."""
