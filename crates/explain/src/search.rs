@@ -126,6 +126,11 @@ impl<'a> Search<'a> {
         sweeps.iter().map(Sweep::evidence).sum::<f64>() - costs
     }
 
+    /// The probability of each form of noise in each channel beside some candidates.
+    pub fn noise_weights(&self, named: &[Named]) -> Vec<Vec<f64>> {
+        self.sweeps(named).iter().map(Sweep::weights).collect()
+    }
+
     fn cost(&self, named: &Named, width: f64) -> f64 {
         let candidate = &self.stack.candidates[named.candidate];
         let own = |(columns, shows): (&Vec<usize>, &bool)| if *shows { columns.len() } else { 0 };

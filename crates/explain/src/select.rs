@@ -26,6 +26,8 @@ const AT_ONCE: usize = 160;
 const ROUNDS: usize = 3;
 /// Rounds of a spectrum and of the fit under it.
 const SPECTRA: usize = 3;
+/// A law of noise that is less probable on so many rows is none on all.
+const IMPROBABLE: f64 = 1e-15;
 /// A refined relaxation is between those of the grid by these factors.
 const NEARER: [f64; 2] = [1.2, 1.06];
 /// The best set of causes, and how likely it is.
@@ -89,6 +91,7 @@ fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
     if problem.rows() > ROWS || offered.len() > AT_ONCE {
         let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
         offered = screened(&thin, &offered, &noises, all, &count)?;
+        noises = probable(&thin, &offered, noises, all, &count)?;
     }
     let stack = Stack::of(problem, &offered);
     let laws = products(&problem.time_s, &stack, &noises)?;
@@ -170,6 +173,26 @@ pub fn thinned(rows: usize, most: usize, blocks: usize) -> Vec<usize> {
     }
     let from = |block: usize| block * (rows - each) / (blocks - 1);
     (0..blocks).flat_map(|block| from(block)..from(block) + each).collect()
+}
+
+/// The laws of noise that are not out of the question on some of the rows, neither where nothing acts nor beside the
+/// best set.
+fn probable(
+    thin: &Problem,
+    offered: &[(Cause, Form)],
+    laws: Vec<noises::Form>,
+    causes: usize,
+    count: &dyn Fn(Cause) -> usize,
+) -> Result<Vec<noises::Form>, Error> {
+    let stack = Stack::of(thin, offered);
+    let made = products(&thin.time_s, &stack, &laws)?;
+    let search = || Search::new(&stack, &made, thin.rows(), causes, count);
+    let (best, _) = search().best();
+    let weights: Vec<Vec<f64>> =
+        [&[][..], &best.named].iter().flat_map(|set| search().noise_weights(set)).collect();
+    let is_probable =
+        |(number, _): &(usize, noises::Form)| weights.iter().any(|own| own[*number] > IMPROBABLE);
+    Ok(laws.into_iter().enumerate().filter(is_probable).map(|(_, law)| law).collect())
 }
 
 /// The forms of each cause that explain most by themselves and beside the best set.
