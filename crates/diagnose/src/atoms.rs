@@ -196,13 +196,18 @@ impl<'p> Atoms<'p> {
         }
     }
 
+    /// How many columns there are.
+    pub fn columns(&self) -> usize {
+        self.pool.columns.len() + self.more.len()
+    }
+
     /// The columns behind those of the pool.
     pub fn more(&self) -> &[Stacked] {
         &self.more
     }
 
     fn add_columns(&mut self, columns: Vec<Stacked>) -> Vec<usize> {
-        let from = self.pool.columns.len() + self.more.len();
+        let from = self.columns();
         let count = columns.len();
         self.more.extend(columns);
         (from..from + count).collect()

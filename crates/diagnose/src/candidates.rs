@@ -99,6 +99,12 @@ impl Pool {
         }
     }
 
+    /// For each column the first of its trial.
+    pub fn groups(&self) -> Vec<usize> {
+        let trials = self.candidates.iter().flat_map(|candidate| &candidate.trials);
+        trials.flat_map(|trial| trial.columns.iter().map(|_| trial.columns[0])).collect()
+    }
+
     fn push(&mut self, what: What, finite: bool, trials: Vec<Tried>) {
         let trials: Vec<Trial> = trials
             .into_iter()

@@ -260,7 +260,7 @@ pub fn weighed(
             atoms.add_fitted(effect, columns, by_shape);
         }
     }
-    products.push(fitter.noise, atoms.more());
+    products.push(fitter.noise, atoms.more(), 0);
     let followed = Followed::of(model, &ground.fit.state)?;
     let screen = searcher.screen(fitter, &ground.fit)?;
     let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
@@ -273,13 +273,17 @@ pub fn weighed(
     // for what happened at a moment.
     let beside = named.len() < best.len();
     answer.left = (!named.is_empty()).then(|| fitter.in_nt(&sets.residual(&named, &ground.fit.white)));
-    for members in if beside { vec![best, named] } else { vec![best] } {
+    for (number, members) in [Some(best), Some(named).filter(|_| beside)].into_iter().flatten().enumerate() {
         let white = sets.residual(&members, &ground.fit.white);
         let residual = fitter.in_nt(&white);
         let left = Fit { white, residual, ..ground.fit.clone() };
         let rest = ground.look.rest.beside(0.0, sets.unknowns(&members));
         let rest = Rest { sum_of_squares: square(&left.white), ..rest };
-        let more = fresh(&searcher.events(fitter, &left, &rest)?.1, &answer.events);
+        let more = match number {
+            0 => searcher.events(fitter, &left, &rest)?.1,
+            _ => searcher.moments(fitter, &left, &rest)?,
+        };
+        let more = fresh(&more, &answer.events);
         answer.events.extend(more);
     }
     Ok(answer)

@@ -32,6 +32,9 @@ const NEAR: usize = 40;
 /// Rows whose products are taken at once.
 const BLOCK: usize = 16_384;
 
+/// What the noise is taken from need not stand at its minimum to a hundredth of its standard deviation.
+const ROUGH: Control = Control { tolerance: 0.3, ..ITERATION };
+
 /// A fit at its minimum.
 #[derive(Clone, Debug)]
 pub struct Fit {
@@ -282,7 +285,8 @@ pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<
     let coloured = estimated(document, model, white.clone(), true)?;
     // A spectrum by its periodogram need not be one of the residual: what turns by hand has lines.
     let likely = |(fit, noise): &(Fit, NoiseModel)| fit.log_likelihood(noise);
-    Ok(if likely(&coloured) >= likely(&white) { coloured } else { white })
+    let (fit, noise) = if likely(&coloured) >= likely(&white) { coloured } else { white };
+    Ok((Fitter { model, noise: &noise }.refine(&fit.state)?, noise))
 }
 
 /// The fit by least squares: under white noise of the size that it leaves.
@@ -294,10 +298,11 @@ pub fn settled_white(
     let residual = model.residual(start)?;
     let first = NoiseModel::estimated(document, &model.observed, &residual, None)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
-    estimated(document, model, (fit, first), false)
+    let (fit, noise) = estimated(document, model, (fit, first), false)?;
+    Ok((Fitter { model, noise: &noise }.refine(&fit.state)?, noise))
 }
 
-/// A fit and its noise, estimated anew in turn until its size stays.
+/// A rough fit and its noise, estimated anew in turn until its size stays.
 fn estimated(
     document: &Document,
     model: &Model<'_>,
@@ -308,7 +313,7 @@ fn estimated(
         let before = noise.variance();
         let used = with_spectrum.then_some(fit.rank);
         noise = NoiseModel::estimated(document, &model.observed, &fit.residual, used)?;
-        fit = Fitter { model, noise: &noise }.refine(&fit.state)?;
+        fit = Fitter { model, noise: &noise }.minimum(&fit.state, None, &ROUGH)?;
         if (noise.variance() / before - 1.0).abs() < ESTIMATED {
             break;
         }

@@ -12,7 +12,7 @@
 //!   which readings are linear). `whitening` is the noise, in one pass at any times; `fit` the minimum, and
 //!   the prediction of held-out readings (`held_out`).
 //! - `candidates` and `generic` make the pool of columns; `stacked` holds them channel by channel; `products`
-//!   whitens them and forms their products once. From there on nothing depends on the number of rows.
+//!   whitens them and forms the products that are asked for; `projection` takes out of them what a fit has unknown.
 //! - `search` looks at one residual: what stands out, and its probability by chance. Chance is a bootstrap in
 //!   whitened space (the maximum over all candidates and shapes), where the base fit is linear: a thousand
 //!   whole searches for each recording would take hours and say the same. `lines`, `events` and `codes`
@@ -70,6 +70,7 @@ mod next;
 mod observed;
 mod plain;
 mod products;
+mod projection;
 mod proposal;
 mod report;
 mod search;

@@ -6,7 +6,7 @@ use common::number::significant;
 use crate::Error;
 use crate::fit::{Fit, Fitter};
 use crate::model::{Model, State};
-use crate::products::Projection;
+use crate::projection::Projection;
 use crate::whitening::NoiseModel;
 
 /// What is to be said of a fit from a start that leaves more than linear least squares at the start, under the same

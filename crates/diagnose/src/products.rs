@@ -1,57 +1,147 @@
 //! Products of whitened columns, gathered once over the rows: all that is decided afterwards depends on the
 //! number of columns alone.
 
-use estimate::screen::{Column, Screen};
-use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::{Accum, Col, Mat, Par};
+use faer::Mat;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
-use crate::Error;
-use crate::algebra::{columns, left, orthonormal};
-use crate::fit::Fit;
 use crate::observed::Observed;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
 
-/// Rows whose products are taken at once.
-const BLOCK: usize = 4096;
-/// Columns that are projected at once.
-const COLUMNS: usize = 128;
-
-/// Whitened columns with their products.
+/// Whitened columns with their products: of most only those within a group, for a thousand columns have a million of
+/// products, of which few are asked for.
 #[derive(Clone, Debug)]
 pub struct Products {
-    columns: Vec<Stacked>,
     /// For each channel its rows in the stack.
-    ranges: Vec<std::ops::Range<usize>>,
-    /// Row i has the products with columns 0 to i.
-    gram: Vec<Vec<f64>>,
+    ranges: Vec<Range<usize>>,
+    /// For each channel the columns that are something in it, as they came.
+    parts: Vec<Vec<Arc<Part>>>,
+    /// For each channel and column where it stands in them.
+    places: Vec<Vec<Option<(usize, usize)>>>,
+    /// Row i has the products with columns from its first to i.
+    gram: Vec<(usize, Vec<f64>)>,
+}
+
+/// Columns that came together, in one channel.
+#[derive(Debug)]
+struct Part {
+    numbers: Vec<usize>,
+    values: Mat<f64>,
 }
 
 impl Products {
     /// None yet.
     pub fn of(observed: &Observed<'_>) -> Self {
-        let ranges = observed.channels.iter().map(|channel| channel.range()).collect();
-        Self { columns: Vec::new(), ranges, gram: Vec::new() }
+        let ranges: Vec<Range<usize>> = observed.channels.iter().map(|channel| channel.range()).collect();
+        let channels = ranges.len();
+        Self {
+            ranges,
+            parts: vec![Vec::new(); channels],
+            places: vec![Vec::new(); channels],
+            gram: Vec::new(),
+        }
     }
 
-    /// Adds columns (nT).
-    pub fn push(&mut self, noise: &NoiseModel, raw: &[Stacked]) {
-        let from = self.columns.len();
-        self.columns.extend(noise.whitened(raw));
-        let mut rows: Vec<Vec<f64>> = (from..self.columns.len()).map(|i| vec![0.0; i + 1]).collect();
-        let found: Vec<_> =
-            (0..self.ranges.len()).into_par_iter().map(|k| self.of_channel(k, from)).collect();
-        for (all, new, products) in found {
-            for (j, column) in new.iter().enumerate() {
-                let row = &mut rows[column - from];
-                all.iter().enumerate().filter(|(_, other)| *other <= column).for_each(|(i, other)| {
-                    row[*other] += products[(i, j)];
-                });
+    /// Adds columns (nT), each with its products with those from the first of its group on.
+    pub fn push_groups(&mut self, noise: &NoiseModel, raw: &[Stacked], first: &[usize]) {
+        let from = self.len();
+        self.append(&noise.whitened(raw));
+        let product = |i: usize, j: usize| -> f64 {
+            let both = |channel| Some(dot(self.part(channel, i)?, self.part(channel, j)?));
+            (0..self.ranges.len()).filter_map(both).sum()
+        };
+        let row = |(k, first): (usize, &usize)| {
+            (*first, (*first..=from + k).map(|other| product(from + k, other)).collect())
+        };
+        let rows: Vec<_> = first.par_iter().enumerate().map(row).collect();
+        self.gram.extend(rows);
+    }
+
+    /// Adds columns (nT) with their products with those from a first one on.
+    pub fn push(&mut self, noise: &NoiseModel, raw: &[Stacked], first: usize) {
+        self.push_white(&noise.whitened(raw), first);
+    }
+
+    /// Adds columns that are there already once more, with their products with those from a first one on.
+    pub fn push_again(&mut self, columns: &[usize], first: usize) {
+        let part = |channel: usize, column: usize| self.part(channel, column).map(<[f64]>::to_vec);
+        let parts = |column: &usize| (0..self.ranges.len()).map(|channel| part(channel, *column)).collect();
+        let white: Vec<Stacked> = columns.iter().map(|column| Stacked::new(parts(column))).collect();
+        self.push_white(&white, first);
+    }
+
+    fn push_white(&mut self, white: &[Stacked], first: usize) {
+        self.append(white);
+        let columns: Vec<usize> = (self.gram.len()..self.len()).collect();
+        let rows = self.rows(&columns, first);
+        self.gram.extend(rows.into_iter().map(|row| (first, row)));
+    }
+
+    /// Forms the products of columns that have few, with all.
+    pub fn complete(&mut self, columns: &[usize]) {
+        let rows = self.rows(columns, 0);
+        columns.iter().zip(rows).for_each(|(column, row)| self.gram[*column] = (0, row));
+    }
+
+    /// Whether a column has its products with all.
+    pub fn is_complete(&self, column: usize) -> bool {
+        self.gram[column].0 == 0
+    }
+
+    /// Adds columns without their products.
+    fn append(&mut self, white: &[Stacked]) {
+        let (from, count) = (self.len(), white.len());
+        for (channel, range) in self.ranges.iter().enumerate() {
+            let there: Vec<(usize, &[f64])> =
+                (0..count).filter_map(|k| Some((from + k, white[k].part(channel)?))).collect();
+            let mut values = Mat::zeros(range.len(), there.len());
+            for (j, (_, part)) in there.iter().enumerate() {
+                values.col_as_slice_mut(j).copy_from_slice(part);
+            }
+            let places = &mut self.places[channel];
+            places.resize(from + count, None);
+            let numbers: Vec<usize> = there.iter().map(|(number, _)| *number).collect();
+            numbers
+                .iter()
+                .enumerate()
+                .for_each(|(j, number)| places[*number] = Some((self.parts[channel].len(), j)));
+            self.parts[channel].push(Arc::new(Part { numbers, values }));
+        }
+    }
+
+    /// Products of columns with those from a first one to themselves.
+    fn rows(&self, columns: &[usize], first: usize) -> Vec<Vec<f64>> {
+        let mut rows: Vec<Vec<f64>> = columns.iter().map(|column| vec![0.0; column + 1 - first]).collect();
+        let of_channel = |channel: usize| {
+            let there: Vec<usize> =
+                (0..columns.len()).filter(|k| self.places[channel][columns[*k]].is_some()).collect();
+            let part = |k: usize| self.part(channel, columns[there[k]]).unwrap_or_default();
+            let own = Mat::from_fn(self.ranges[channel].len(), there.len(), |i, k| part(k)[i]);
+            let behind = |part: &&Arc<Part>| part.numbers.last().is_some_and(|last| *last >= first);
+            let parts = self.parts[channel].iter().filter(behind);
+            let products: Vec<(&Arc<Part>, Mat<f64>)> =
+                parts.map(|part| (part, part.values.transpose() * &own)).collect();
+            (there, products)
+        };
+        let found: Vec<_> = (0..self.ranges.len()).into_par_iter().map(of_channel).collect();
+        for (there, products) in found {
+            for (part, products) in products {
+                for (j, k) in there.iter().enumerate() {
+                    let with = part.numbers.iter().zip(products.col_as_slice(j));
+                    let with = with.filter(|(other, _)| (first..=columns[*k]).contains(other));
+                    with.for_each(|(other, value)| rows[*k][other - first] += value);
+                }
             }
         }
-        self.gram.extend(rows);
+        rows
+    }
+
+    /// A whitened column in a channel; None where it is nothing there.
+    pub fn part(&self, channel: usize, column: usize) -> Option<&[f64]> {
+        let (part, place) = self.places[channel][column]?;
+        Some(self.parts[channel][part].values.col_as_slice(place))
     }
 
     /// A whitened series less columns times coefficients.
@@ -59,7 +149,7 @@ impl Products {
         let mut left = white.to_vec();
         for (channel, range) in self.ranges.iter().enumerate() {
             for (column, coefficient) in terms {
-                if let Some(part) = self.columns[*column].part(channel) {
+                if let Some(part) = self.part(channel, *column) {
                     left[range.clone()].iter_mut().zip(part).for_each(|(l, p)| *l -= coefficient * p);
                 }
             }
@@ -67,162 +157,86 @@ impl Products {
         left
     }
 
-    /// A whitened column.
-    pub fn column(&self, number: usize) -> &Stacked {
-        &self.columns[number]
+    /// The products of a column with those from the first one on to itself, and that first one.
+    pub fn row(&self, column: usize) -> (usize, &[f64]) {
+        let (first, row) = &self.gram[column];
+        (*first, row)
+    }
+
+    /// For each channel its rows in the stack.
+    pub fn ranges(&self) -> &[Range<usize>] {
+        &self.ranges
+    }
+
+    /// The squared length of a column.
+    pub fn square(&self, column: usize) -> f64 {
+        self.gram[column].1.last().copied().unwrap_or(0.0)
     }
 
     /// How many columns there are.
     pub fn len(&self) -> usize {
-        self.columns.len()
+        self.places.first().map_or(0, Vec::len)
     }
 
-    /// Columns of a channel, those from `from` on among them, and the products of the first with the second.
-    fn of_channel(&self, channel: usize, from: usize) -> (Vec<usize>, Vec<usize>, Mat<f64>) {
-        let there = |column: &usize| self.columns[*column].part(channel).is_some();
-        let all: Vec<usize> = (0..self.columns.len()).filter(there).collect();
-        let new: Vec<usize> = all.iter().copied().filter(|column| *column >= from).collect();
-        let mut products = Mat::zeros(all.len(), new.len());
-        let old = all.len() - new.len();
-        if !new.is_empty() {
-            by_blocks(self.ranges[channel].len(), &mut products, |block| {
-                let whole = self.block(channel, &all, block);
-                let (before, right) = whole.split_at_col(old);
-                let mut products = Mat::zeros(all.len(), new.len());
-                products.subrows_mut(0, old).copy_from(before.transpose() * right);
-                // Of the new with each other those up to the diagonal.
-                triangular::matmul(
-                    products.subrows_mut(old, new.len()),
-                    BlockStructure::TriangularUpper,
-                    Accum::Replace,
-                    right.transpose(),
-                    BlockStructure::Rectangular,
-                    right,
-                    BlockStructure::Rectangular,
-                    1.0,
-                    Par::Seq,
-                );
-                products
-            });
-        }
-        (all, new, products)
-    }
-
-    fn block(&self, channel: usize, columns: &[usize], rows: std::ops::Range<usize>) -> Mat<f64> {
-        let mut block = Mat::zeros(rows.len(), columns.len());
-        for (j, column) in columns.iter().enumerate() {
-            if let Some(part) = self.columns[*column].part(channel) {
-                block.col_as_slice_mut(j).copy_from_slice(&part[rows.clone()]);
-            }
-        }
-        block
-    }
-
-    /// The products of columns from `from` on with the orthonormal columns of `onto`, one row of the answer a
-    /// column.
-    fn along(&self, onto: &Mat<f64>, from: usize) -> Vec<Vec<f64>> {
-        let mut along = vec![vec![0.0; onto.ncols()]; self.columns.len() - from];
-        let found: Vec<(Vec<usize>, Mat<f64>)> = (0..self.ranges.len())
-            .into_par_iter()
-            .map(|channel| {
-                let there = |column: &usize| self.columns[*column].part(channel).is_some();
-                let all: Vec<usize> = (from..self.columns.len()).filter(there).collect();
-                let range = &self.ranges[channel];
-                let mut sums = Mat::zeros(all.len(), onto.ncols());
-                by_blocks(range.len(), &mut sums, |rows| {
-                    let right = onto.subrows(range.start + rows.start, rows.len());
-                    self.block(channel, &all, rows).transpose() * right
-                });
-                (all, sums)
-            })
-            .collect();
-        for (all, sums) in found {
-            for (i, column) in all.iter().enumerate() {
-                along[column - from].iter_mut().enumerate().for_each(|(j, sum)| *sum += sums[(i, j)]);
+    /// The products of columns from `from` on with those of `onto`, one row of the answer a column.
+    pub fn along(&self, onto: &Mat<f64>, from: usize) -> Vec<Vec<f64>> {
+        let mut along = vec![vec![0.0; onto.ncols()]; self.len() - from];
+        let products = |(range, parts): (&Range<usize>, &Vec<Arc<Part>>)| -> Vec<(Arc<Part>, Mat<f64>)> {
+            let new = parts.iter().filter(|part| part.numbers.first().is_some_and(|number| *number >= from));
+            let right = onto.subrows(range.start, range.len());
+            new.map(|part| (part.clone(), part.values.transpose() * right)).collect()
+        };
+        let found: Vec<_> = self.ranges.par_iter().zip(&self.parts).map(products).collect();
+        for (part, products) in found.into_iter().flatten() {
+            for (i, column) in part.numbers.iter().enumerate() {
+                along[column - from].iter_mut().enumerate().for_each(|(j, sum)| *sum += products[(i, j)]);
             }
         }
         along
     }
 }
 
-/// Adds what each block of rows gives: some at a time on all threads, always in the same order.
-fn by_blocks(rows: usize, sum: &mut Mat<f64>, of: impl Fn(std::ops::Range<usize>) -> Mat<f64> + Sync) {
-    let blocks: Vec<_> = (0..rows).step_by(BLOCK).map(|at| at..(at + BLOCK).min(rows)).collect();
-    for some in blocks.chunks(rayon::current_num_threads()) {
-        let found: Vec<Mat<f64>> = some.par_iter().map(|block| of(block.clone())).collect();
-        found.iter().for_each(|product| *sum += product);
-    }
+/// Σ a b.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// What a fit leaves of columns and residual: all that it has unknown is projected out of them.
-#[derive(Clone, Debug)]
-pub struct Projection {
-    /// An orthonormal basis of the fit's derivatives, then the residual.
-    onto: Arc<Mat<f64>>,
-    /// The residual along the basis, then its square.
-    residual: Vec<f64>,
-    /// The same for each column.
-    columns: Vec<Vec<f64>>,
-}
+#[cfg(test)]
+pub mod tests {
+    use super::*;
 
-impl Projection {
-    /// Of a fit.
-    ///
-    /// # Errors
-    ///
-    /// Derivatives that are not finite.
-    pub fn of(fit: &Fit) -> Result<Self, Error> {
-        let basis = orthonormal(&fit.jacobian)?;
-        let rank = basis.ncols();
-        let onto =
-            Mat::from_fn(
-                fit.white.len(),
-                rank + 1,
-                |i, j| if j < rank { basis[(i, j)] } else { fit.white[i] },
-            );
-        let product = |j: usize| onto.col_as_slice(j).iter().zip(&fit.white).map(|(b, w)| b * w).sum();
-        let residual = (0..=rank).map(product).collect();
-        Ok(Self { onto: Arc::new(onto), residual, columns: Vec::new() })
+    /// Two channels; the third column is nothing in the first.
+    pub fn some() -> (Products, Vec<Stacked>) {
+        let wave =
+            |k: usize, rows: usize| (0..rows).map(|row| (0.3 * (k + 1) as f64 * row as f64).sin()).collect();
+        let column = |k: usize| Stacked::new(vec![(k != 2).then(|| wave(k, 40)), Some(wave(k + 3, 30))]);
+        let columns: Vec<Stacked> = (0..4).map(column).collect();
+        let empty = || vec![Vec::new(); 2];
+        let ranges = vec![0..40, 40..70];
+        let places = vec![Vec::new(); 2];
+        let mut products = Products { ranges, parts: empty(), places, gram: Vec::new() };
+        products.push_white(&columns[..2], 0);
+        products.push_white(&columns[2..], 2);
+        (products, columns)
     }
 
-    /// What the fit leaves of a whitened series.
-    pub fn left(&self, series: &[f64]) -> Vec<f64> {
-        left(columns(&self.onto).take(self.onto.ncols() - 1), series)
+    pub fn product(a: &Stacked, b: &Stacked) -> f64 {
+        (0..2).filter_map(|channel| Some(dot(a.part(channel)?, b.part(channel)?))).sum()
     }
 
-    /// The screen of no column yet.
-    pub fn screen(&self) -> Screen {
-        let rank = self.onto.ncols() - 1;
-        let taken: f64 = self.residual[..rank].iter().map(|a| a * a).sum();
-        Screen::empty(self.residual[rank] - taken, self.onto.nrows(), rank)
-    }
-
-    /// Adds the columns that a screen does not have yet.
-    pub fn extend(&mut self, screen: &mut Screen, products: &Products) {
-        let from = screen.columns();
-        self.columns.extend(products.along(&self.onto, from));
-        let rank = self.onto.ncols() - 1;
-        let all = Mat::from_fn(rank, products.len(), |j, i| self.columns[i][j]);
-        let residual = Col::from_fn(rank, |j| self.residual[j]);
-        let made: Vec<Vec<Column>> = (from..products.len())
-            .into_par_iter()
-            .step_by(COLUMNS)
-            .map(|at| {
-                let count = COLUMNS.min(products.len() - at);
-                let own = all.subcols(at, count);
-                let within = all.subcols(0, at + count).transpose() * own;
-                let along = own.transpose() * &residual;
-                let column = |k: usize| {
-                    let gram = &products.gram[at + k];
-                    Column {
-                        left: gram.iter().zip(within.col_as_slice(k)).map(|(whole, of)| whole - of).collect(),
-                        along: self.columns[at + k][rank] - along[k],
-                        whole: gram[at + k],
-                    }
-                };
-                (0..count).map(column).collect()
-            })
-            .collect();
-        made.into_iter().flatten().for_each(|column| screen.push(column));
+    #[test]
+    fn products_that_are_formed_late_are_the_same() {
+        let (mut products, columns) = some();
+        assert!(!products.is_complete(3));
+        products.push_again(&[3, 1], 4);
+        products.complete(&[4, 3]);
+        let at = |i: usize| &columns[[0, 1, 2, 3, 3, 1][i]];
+        for (i, (first, row)) in products.gram.iter().enumerate() {
+            for (j, value) in (*first..=i).zip(row) {
+                assert!((value - product(at(i), at(j))).abs() < 1e-12, "{i} {j}");
+            }
+        }
+        let formed: Vec<usize> = products.gram.iter().map(|(first, _)| *first).collect();
+        assert_eq!(formed, [0, 0, 2, 0, 0, 4]);
     }
 }

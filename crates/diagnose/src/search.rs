@@ -1,7 +1,6 @@
 //! A look at what a fit has left: which candidates stand out of it, and how probable that is by chance.
 
 use estimate::screen::{Chance, Screen, Search};
-use faer::Mat;
 use noise::Stream;
 
 use crate::Error;
@@ -12,13 +11,12 @@ use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
 use crate::model::State;
-use crate::products::{Products, Projection};
+use crate::products::Products;
+use crate::projection::Projection;
 use crate::proposal::{Addition, Proposal};
 use crate::what::{What, named};
 use crate::whitening::NoiseModel;
 
-/// Draws of the distribution by chance.
-const DRAWS: usize = 399;
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
 const FAMILIES: f64 = 5.0;
 
@@ -115,7 +113,7 @@ impl<'p> Searcher<'p> {
         let kept = self.white.take().filter(|(known, _)| noise.same(known));
         let found = kept.unwrap_or_else(|| {
             let mut products = Products::of(&fitter.model.observed);
-            products.push(noise, &self.pool.columns);
+            products.push_groups(noise, &self.pool.columns, &self.pool.groups());
             (noise.clone(), products)
         });
         &self.white.insert(found).1
@@ -136,18 +134,28 @@ impl<'p> Searcher<'p> {
         fit: &Fit,
         rest: &Rest,
     ) -> Result<(Option<Line>, Vec<Proposal>), Error> {
-        let (line, of_lines) = lines::proposals(fitter, fit, rest);
-        let found = of_lines
-            .into_iter()
-            .chain(events::proposals(fitter, fit, rest)?)
-            .chain(codes::proposals(fitter, fit, rest)?);
-        let stands_out = |proposal: &Proposal| at_least_one(proposal.p, FAMILIES) < self.level;
-        Ok((line, found.filter(|proposal| self.pool.considers(proposal) && stands_out(proposal)).collect()))
+        let (line, mut found) = lines::proposals(fitter, fit, rest);
+        found.extend(events::proposals(fitter, fit, rest)?);
+        found.extend(codes::proposals(fitter, fit, rest)?);
+        found.retain(|proposal| self.counts(proposal));
+        Ok((line, found))
+    }
+
+    /// What may have happened at moments.
+    pub fn moments(&self, fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
+        let mut found = events::proposals(fitter, fit, rest)?;
+        found.retain(|proposal| self.counts(proposal));
+        Ok(found)
+    }
+
+    /// Whether something that was found by itself is considered and stands out.
+    fn counts(&self, proposal: &Proposal) -> bool {
+        self.pool.considers(proposal) && at_least_one(proposal.p, FAMILIES) < self.level
     }
 
     /// Searches what a fit has left.
     pub fn look(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Look, Error> {
-        let (_, screen) = self.screen(fitter, fit)?;
+        let (projection, screen) = self.screen(fitter, fit)?;
         let searches: Vec<Search> = self
             .pool
             .candidates
@@ -156,8 +164,8 @@ impl<'p> Searcher<'p> {
             .collect();
         if self.chance.is_none() {
             let mut stream = Stream::new(self.seed, "diagnose/chance");
-            let normals = Mat::from_fn(DRAWS, self.pool.columns.len(), |_, _| stream.normal());
-            self.chance = Some(Chance::of(&screen, &searches, &normals)?);
+            let draws = projection.draws(self.products(fitter), &mut stream);
+            self.chance = Some(Chance::of(&screen, &searches, &draws)?);
         }
         let rest = Rest {
             sum_of_squares: screen.sum_of_squares(),

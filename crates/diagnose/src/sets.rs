@@ -11,7 +11,8 @@ use crate::decide::{BEAM, CANCEL, DEPTH, FORM, FORM_ENERGY};
 use crate::evidence::{Block, Further, Given, Term, energy};
 use crate::form::{self, Followed};
 use crate::level::Rest;
-use crate::products::{Products, Projection};
+use crate::products::Products;
+use crate::projection::Projection;
 use crate::whitening::NoiseModel;
 
 /// Names and structures that are tried with their forms at each step.
@@ -73,9 +74,10 @@ impl Set {
     }
 }
 
-/// The columns of a form.
+/// The columns of a shape of an atom that was looked at, behind those of all atoms, and those of its form.
 #[derive(Clone, Debug, Default)]
 struct Places {
+    own: Vec<usize>,
     departures: Vec<Vec<usize>>,
     neighbours: Vec<usize>,
     /// Whitened energy of the contribution of which the departures are shares.
@@ -142,6 +144,12 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
 
     /// Sets with one member more, the most promising of each.
     fn grown(&mut self, sets: &[Set], seen: &mut HashMap<Vec<usize>, Set>) -> Vec<Set> {
+        let terms = sets.iter().flat_map(|set| self.terms(&set.members));
+        let mut columns: Vec<usize> = terms.map(|(column, _)| column).collect();
+        columns.sort_unstable();
+        columns.dedup();
+        columns.retain(|column| !self.products.is_complete(*column));
+        self.projection.complete(&mut self.screen, &mut self.products, &columns);
         let found: Vec<Vec<(Member, Vec<f64>)>> = sets.iter().map(|set| self.promising(set)).collect();
         self.add_forms(found.iter().flatten());
         let tried: Vec<Vec<Member>> = sets
@@ -286,8 +294,11 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             })
             .collect();
         let mut raw = Vec::new();
-        let mut begins = self.products.len();
-        for ((member, _), (energy, form)) in fresh.iter().zip(made) {
+        let columns = |member: &Member| self.atoms.all[member.atom].shapes[member.shape].columns.clone();
+        let again: Vec<Vec<usize>> = fresh.iter().map(|(member, _)| columns(member)).collect();
+        let mut own = self.products.len();
+        let mut begins = own + again.iter().map(Vec::len).sum::<usize>();
+        for (((member, _), (energy, form)), columns) in fresh.iter().zip(made).zip(&again) {
             let mut places = |columns: Vec<crate::stacked::Stacked>| {
                 let from = begins;
                 begins += columns.len();
@@ -296,12 +307,21 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             };
             let departures = form.departures.into_iter().map(&mut places).collect();
             let neighbours = places(form.neighbours);
-            self.forms.insert((member.atom, member.shape), Places { departures, neighbours, energy });
+            let places = Places { own: (own..own + columns.len()).collect(), departures, neighbours, energy };
+            own += columns.len();
+            self.forms.insert((member.atom, member.shape), places);
         }
-        if !raw.is_empty() {
-            self.products.push(self.noise, &raw);
+        if !fresh.is_empty() {
+            self.products.push_again(&again.concat(), self.atoms.columns());
+            self.products.push(self.noise, &raw, self.atoms.columns());
             self.projection.extend(&mut self.screen, &self.products);
         }
+    }
+
+    /// The columns of a member at its shape.
+    fn columns(&self, member: &Member) -> &[usize] {
+        let looked = self.forms.get(&(member.atom, member.shape));
+        looked.map_or(&self.atoms.all[member.atom].shapes[member.shape].columns, |places| &places.own)
     }
 
     /// The form of a member, where it was looked at.
@@ -314,7 +334,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     fn terms(&self, members: &[Member]) -> Vec<Term> {
         let mut terms = Vec::new();
         for member in members {
-            let columns = &self.atoms.all[member.atom].shapes[member.shape].columns;
+            let columns = self.columns(member);
             terms.extend(columns.iter().zip(&member.deviations).map(|(column, std)| (*column, std * std)));
             if let Some(form) = self.form(member) {
                 for (group, departs) in form.departures.iter().zip(&member.departs) {
@@ -387,7 +407,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         for (member, parts) in members.iter().zip(self.split(members, coefficients)) {
             let sizes = parts[0];
             let atom = &self.atoms.all[member.atom];
-            let columns = &atom.shapes[member.shape].columns;
+            let columns = self.columns(member);
             // What it does is more of what its equation says, and not its opposite.
             if atom.finite && self.whole(member, parts, 1.0) <= self.whole(member, parts, -1.0) {
                 return None;
@@ -421,7 +441,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     /// Energy of what a member does, with something more of its first column. A shape between two of the grid is one of
     /// them and a part of the way to the next.
     fn whole(&self, member: &Member, [sizes, _, neighbours]: [&[f64]; 3], more: f64) -> f64 {
-        let own = &self.atoms.all[member.atom].shapes[member.shape].columns;
+        let own = self.columns(member);
         let beside = self.form(member).map_or(&[][..], |form| &form.neighbours);
         let mut sizes = [sizes, neighbours].concat();
         sizes[0] += more;

@@ -128,8 +128,11 @@ fn stepwise(stack: &Stack, gram: &Mat<f64>, rows: usize, channel: usize) -> Resu
     let mut screen = Screen::empty(gram[(y, y)], rows, 0);
     for i in 0..gram.ncols() {
         let left = (0..=i).map(|j| gram[(i, j)]).collect();
-        screen.push(Column { left, along: gram[(i, y)], whole: gram[(i, i)] });
+        screen.push(Column { first: 0, left, along: gram[(i, y)], whole: gram[(i, i)] });
     }
     let groups: Vec<&[usize]> = stack.candidates.iter().map(|one| one.columns[channel].as_slice()).collect();
-    screen.given(&stack.plain)?.stepwise(&groups)
+    let rest = screen.given(&stack.plain)?;
+    rest.stepwise(&groups, |chosen| {
+        rest.given(&chosen.iter().flat_map(|one| groups[*one]).copied().collect::<Vec<_>>())
+    })
 }

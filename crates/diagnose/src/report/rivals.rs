@@ -7,6 +7,7 @@ use physics::Acts;
 
 use super::residuals::{held_out_nt, rms};
 use crate::candidates::{Candidate, searched};
+use crate::channel::Channel;
 use crate::fit::{Fit, Fitter};
 use crate::search::Searcher;
 use crate::what::What;
@@ -18,13 +19,21 @@ pub(super) fn rivals(
     outcome: &Outcome,
 ) -> Result<Vec<PlainRegression>, Error> {
     let base = fitter.at(&outcome.base.state)?;
-    let (_, screen) = searcher.screen(fitter, &base)?;
+    let (mut projection, mut screen) = searcher.screen(fitter, &base)?;
     let pool = searcher.pool();
+    let mut products = searcher.products(fitter).clone();
     let named = pool.candidates.iter().filter(|one| !matches!(one.what, What::Smooth { .. }));
     let (names, groups): (Vec<String>, Vec<&[usize]>) = named
         .flat_map(|one| one.trials.iter().map(|trial| (one.what.name(), trial.columns.as_slice())))
         .unzip();
-    let chosen = screen.stepwise(&groups)?;
+    let mut taken = Vec::new();
+    let chosen = screen.clone().stepwise(&groups, |chosen| {
+        let newest = chosen.last().map_or(&[][..], |number| groups[*number]);
+        taken.extend(products.len()..products.len() + newest.len());
+        products.push_again(newest, 0);
+        projection.extend(&mut screen, &products);
+        screen.given(&taken)
+    })?;
     let follows = |one: &&Candidate| match &one.what {
         What::Physics(effect) => {
             matches!(effect.kind.about().acts, Acts::WithColumn(_)) && searched(effect.kind).is_none()
@@ -56,7 +65,14 @@ pub(super) fn rivals(
 fn beside(fitter: &Fitter<'_, '_>, searcher: &mut Searcher<'_>, base: &Fit, columns: &[usize]) -> Fit {
     let products = searcher.products(fitter);
     let observed = &fitter.model.observed;
-    let more: Vec<Vec<f64>> = columns.iter().map(|one| products.column(*one).dense(observed)).collect();
+    let dense = |column: &usize| -> Vec<f64> {
+        let part = |(k, channel): (usize, &Channel)| match products.part(k, *column) {
+            Some(part) => part.to_vec(),
+            None => vec![0.0; channel.rows.len()],
+        };
+        observed.channels.iter().enumerate().flat_map(part).collect()
+    };
+    let more: Vec<Vec<f64>> = columns.iter().map(dense).collect();
     let own = base.jacobian.ncols();
     let value = |i: usize, j: usize| match j.checked_sub(own) {
         None => base.jacobian[(i, j)],

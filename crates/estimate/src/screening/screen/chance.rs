@@ -1,8 +1,6 @@
 //! How great gains are by chance, when every candidate is searched over all its shapes.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt_pivoting::factor::{cholesky_in_place, cholesky_in_place_scratch};
-use faer::{Mat, Par};
+use faer::Mat;
 use rayon::prelude::*;
 
 use super::projection::{Part, Screen};
@@ -10,8 +8,6 @@ use crate::{Error, stats};
 
 /// Share of the draws below which the tail of the distribution is matched.
 const MATCHED: f64 = 0.9;
-/// A share of a column's squared length that rounding makes.
-const ROUNDED: f64 = 1e-9;
 
 /// A candidate: groups of columns, one for each shape that is tried, of which the best counts.
 pub type Search = Vec<Vec<usize>>;
@@ -28,9 +24,8 @@ pub struct Chance {
 }
 
 impl Chance {
-    /// By drawing residuals of independent errors of variance one, as often as `normals` has rows; the search
-    /// is gone through for each. `normals` holds independent normal numbers, at least as many in a row as
-    /// there are columns in all searches.
+    /// By residuals of independent errors of variance one; the search is gone through for each. `draws` has a row for
+    /// each of them: its products with the columns.
     ///
     /// The gain of a candidate of rank k in m looks is taken as the greatest of m of χ²(k), m matched to the
     /// draws at their 90 % point; so is the number of candidates. This keeps the far tail, of which no draws
@@ -39,12 +34,7 @@ impl Chance {
     /// # Errors
     ///
     /// [`Error::Decomposition`] for products that are not finite.
-    pub fn of(screen: &Screen, searches: &[Search], normals: &Mat<f64>) -> Result<Self, Error> {
-        let mut columns: Vec<usize> = searches.iter().flatten().flatten().copied().collect();
-        columns.sort_unstable();
-        columns.dedup();
-        let draws = draw(screen, &columns, normals)?;
-        let place = |column: &usize| columns.binary_search(column).unwrap_or_default();
+    pub fn of(screen: &Screen, searches: &[Search], draws: &Mat<f64>) -> Result<Self, Error> {
         let (gains, ranks): (Vec<Vec<f64>>, Vec<f64>) = searches
             .par_iter()
             .map(|search| -> Result<(Vec<f64>, f64), Error> {
@@ -53,8 +43,7 @@ impl Chance {
                 for group in search {
                     let part = Part::of(screen, group)?;
                     rank = rank.max(part.rank());
-                    let at: Vec<usize> = group.iter().map(place).collect();
-                    let picked = Mat::from_fn(draws.nrows(), at.len(), |i, j| draws[(i, at[j])]);
+                    let picked = Mat::from_fn(draws.nrows(), group.len(), |i, j| draws[(i, group[j])]);
                     let along = picked * &part.directions;
                     for (i, best) in best.iter_mut().enumerate() {
                         let gain: f64 = (0..part.rank()).map(|k| along[(i, k)] * along[(i, k)]).sum();
@@ -130,35 +119,6 @@ fn quantile(values: &[f64], share: f64) -> f64 {
     sorted.get((share * last as f64).round() as usize).copied().unwrap_or(0.0)
 }
 
-/// Products of columns with drawn residuals: one row a draw, normal with the covariance that the columns' own
-/// products are.
-fn draw(screen: &Screen, columns: &[usize], normals: &Mat<f64>) -> Result<Mat<f64>, Error> {
-    let lengths: Vec<f64> =
-        columns.iter().map(|&column| screen.product(column, column).max(0.0).sqrt()).collect();
-    let scaled = Mat::from_fn(columns.len(), columns.len(), |i, j| {
-        let product = lengths[i] * lengths[j];
-        if product > 0.0 { screen.product(columns[i], columns[j]) / product } else { 0.0 }
-    });
-    let root = root(scaled)?;
-    let root = Mat::from_fn(columns.len(), root.ncols(), |i, k| lengths[i] * root[(i, k)]);
-    Ok(normals.as_ref().subcols(0, root.ncols()) * root.transpose())
-}
-
-/// A factor R of products A = R Rᵀ with as few columns as they need, by Cholesky's decomposition with pivots.
-fn root(mut products: Mat<f64>) -> Result<Mat<f64>, Error> {
-    let n = products.nrows();
-    let (mut order, mut place) = (vec![0_usize; n], vec![0_usize; n]);
-    let scratch = cholesky_in_place_scratch::<usize, f64>(n, Par::Seq, Default::default());
-    let mut memory = MemBuffer::new(scratch);
-    let stack = MemStack::new(&mut memory);
-    let found =
-        cholesky_in_place(products.as_mut(), &mut order, &mut place, Par::Seq, stack, Default::default());
-    let (info, _) =
-        found.map_err(|error| Error::Decomposition { rows: n, columns: n, reason: format!("{error:?}") })?;
-    let rank = (0..info.rank).take_while(|&k| products[(k, k)].powi(2) > ROUNDED).count();
-    Ok(Mat::from_fn(n, rank, |i, k| if k <= place[i] { products[(place[i], k)] } else { 0.0 }))
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::Products;
@@ -228,14 +188,14 @@ mod tests {
         let errors = normals(rows, trials, 3);
         let searches: Vec<Search> =
             (0..4).map(|c| (0..5).map(|k| vec![6 * c + k, 6 * c + k + 1]).collect()).collect();
-        let chance_normals = normals(999, columns, 4);
+        let draws = normals(999, rows, 4) * &design;
         let mut below = [0usize; 2];
         for trial in 0..trials {
             let block = Mat::from_fn(rows, columns + 1, |i, j| {
                 if j < columns { design[(i, j)] } else { errors[(i, trial)] }
             });
             let screen = Screen::of(&screened(&block, 2));
-            let chance = Chance::of(&screen, &searches, &chance_normals).expect("drawn");
+            let chance = Chance::of(&screen, &searches, &draws).expect("drawn");
             let least = searches.iter().enumerate().map(|(c, search)| {
                 let gains = search.iter().map(|group| screen.gain(group).expect("a gain").gain);
                 chance.p(c, gains.fold(0.0, f64::max))

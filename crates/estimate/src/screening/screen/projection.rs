@@ -35,8 +35,8 @@ pub struct Gain {
 /// Columns and residual, with some of the columns projected out of all others.
 #[derive(Clone, Debug)]
 pub struct Screen {
-    /// Products of the columns: row i has those with columns 0 to i.
-    left: Arc<Vec<Vec<f64>>>,
+    /// Products of the columns: row i has those with columns from its first to i.
+    left: Arc<Vec<(usize, Vec<f64>)>>,
     /// Columns and residual along each direction that is projected out of these products.
     taken: Vec<Vec<f64>>,
     /// What is left of their products with the residual.
@@ -53,7 +53,9 @@ pub struct Screen {
 /// A column of a screen.
 #[derive(Clone, Debug)]
 pub struct Column {
-    /// What is left of its products with the columns before it and with itself.
+    /// The first column with which its product is at hand.
+    pub first: usize,
+    /// What is left of its products with the columns from there on and with itself.
     pub left: Vec<f64>,
     /// The same with the residual.
     pub along: f64,
@@ -71,7 +73,7 @@ impl Screen {
         let mut screen = Self::empty(total[(columns, columns)], rows, 0);
         for i in 0..columns {
             let left = (0..=i).map(|j| total[(i, j)]).collect();
-            screen.push(Column { left, along: total[(columns, i)], whole: total[(i, i)] });
+            screen.push(Column { first: 0, left, along: total[(columns, i)], whole: total[(i, i)] });
         }
         screen
     }
@@ -85,16 +87,28 @@ impl Screen {
     /// Adds a column behind the others, before any is projected out.
     pub fn push(&mut self, column: Column) {
         debug_assert!(self.taken.is_empty(), "a column that comes late is projected by nobody");
-        Arc::make_mut(&mut self.left).push(column.left);
+        Arc::make_mut(&mut self.left).push((column.first, column.left));
         self.along.push(column.along);
         self.whole.push(column.whole);
     }
 
-    /// What is left of a product of two columns; the residual is the last one.
+    /// Gives a column more of its products.
+    pub fn replace(&mut self, number: usize, column: Column) {
+        debug_assert!(self.taken.is_empty(), "a column that comes late is projected by nobody");
+        Arc::make_mut(&mut self.left)[number] = (column.first, column.left);
+    }
+
+    /// What is left of a product of two columns; the residual is the last one. Not a number where it is not at hand.
     pub fn product(&self, i: usize, j: usize) -> f64 {
         let (high, low) = (i.max(j), i.min(j));
         match (self.left.get(high), self.along.get(low)) {
-            (Some(row), _) => row[low] - self.taken.iter().map(|along| along[i] * along[j]).sum::<f64>(),
+            (Some((first, row)), _) => {
+                let left = low.checked_sub(*first).and_then(|place| row.get(place));
+                debug_assert!(left.is_some(), "the product of columns {low} and {high} was not formed");
+                left.map_or(f64::NAN, |left| {
+                    left - self.taken.iter().map(|along| along[i] * along[j]).sum::<f64>()
+                })
+            }
             (None, Some(along)) => *along,
             (None, None) => self.squares,
         }
@@ -167,12 +181,17 @@ impl Screen {
     }
 
     /// The groups that a stepwise regression chooses: one at a time, the one by which n ln S + k ln n falls most,
-    /// S the sum of squares and k the rank, until it no longer falls or there are twelve.
+    /// S the sum of squares and k the rank, until it no longer falls or there are twelve. `given` has those that are
+    /// chosen projected out.
     ///
     /// # Errors
     ///
     /// [`Error::Decomposition`] for products that are not finite.
-    pub fn stepwise(&self, groups: &[&[usize]]) -> Result<Vec<usize>, Error> {
+    pub fn stepwise(
+        &self,
+        groups: &[&[usize]],
+        mut given: impl FnMut(&[usize]) -> Result<Self, Error>,
+    ) -> Result<Vec<usize>, Error> {
         let rows = self.rows as f64;
         let mut chosen = Vec::new();
         let mut rest = self.clone();
@@ -187,8 +206,8 @@ impl Screen {
                 }
             }
             let Some((_, number)) = best else { break };
-            rest = rest.given(groups[number])?;
             chosen.push(number);
+            rest = given(&chosen)?;
         }
         Ok(chosen)
     }
@@ -253,7 +272,9 @@ mod tests {
             column => wave(column + 1, row),
         };
         products.push(Mat::from_fn(40, 5, value).as_ref());
-        let chosen = Screen::of(&products).stepwise(&[&[0], &[1], &[2], &[3]]).expect("finite");
+        let screen = Screen::of(&products);
+        let chosen =
+            screen.stepwise(&[&[0], &[1], &[2], &[3]], |chosen| screen.given(chosen)).expect("finite");
         assert_eq!(chosen, [2, 0]);
     }
 }
