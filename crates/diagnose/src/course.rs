@@ -273,15 +273,17 @@ pub fn weighed(
     // for what happened at a moment.
     let beside = named.len() < best.len();
     answer.left = (!named.is_empty()).then(|| fitter.in_nt(&sets.residual(&named, &ground.fit.white)));
-    for (number, members) in [Some(best), Some(named).filter(|_| beside)].into_iter().flatten().enumerate() {
+    for (whole, members) in [(true, Some(best)), (false, Some(named).filter(|_| beside))] {
+        let Some(members) = members else { continue };
         let white = sets.residual(&members, &ground.fit.white);
         let residual = fitter.in_nt(&white);
         let left = Fit { white, residual, ..ground.fit.clone() };
         let rest = ground.look.rest.beside(0.0, sets.unknowns(&members));
         let rest = Rest { sum_of_squares: square(&left.white), ..rest };
-        let more = match number {
-            0 => searcher.events(fitter, &left, &rest)?.1,
-            _ => searcher.moments(fitter, &left, &rest)?,
+        let more = if whole {
+            searcher.events(fitter, &left, &rest)?.1
+        } else {
+            searcher.moments(fitter, &left, &rest)?
         };
         let more = fresh(&more, &answer.events);
         answer.events.extend(more);

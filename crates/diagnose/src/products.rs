@@ -1,6 +1,7 @@
 //! Products of whitened columns, gathered once over the rows: all that is decided afterwards depends on the
 //! number of columns alone.
 
+use estimate::dot;
 use faer::Mat;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -66,9 +67,7 @@ impl Products {
 
     /// Adds columns that are there already once more, with their products with those from a first one on.
     pub fn push_again(&mut self, columns: &[usize], first: usize) {
-        let part = |channel: usize, column: usize| self.part(channel, column).map(<[f64]>::to_vec);
-        let parts = |column: &usize| (0..self.ranges.len()).map(|channel| part(channel, *column)).collect();
-        let white: Vec<Stacked> = columns.iter().map(|column| Stacked::new(parts(column))).collect();
+        let white: Vec<Stacked> = columns.iter().map(|column| self.column(*column)).collect();
         self.push_white(&white, first);
     }
 
@@ -138,6 +137,12 @@ impl Products {
         rows
     }
 
+    /// A whitened column.
+    pub fn column(&self, number: usize) -> Stacked {
+        let part = |channel: usize| self.part(channel, number).map(<[f64]>::to_vec);
+        Stacked::new((0..self.ranges.len()).map(part).collect())
+    }
+
     /// A whitened column in a channel; None where it is nothing there.
     pub fn part(&self, channel: usize, column: usize) -> Option<&[f64]> {
         let (part, place) = self.places[channel][column]?;
@@ -196,23 +201,18 @@ impl Products {
     }
 }
 
-/// Σ a b.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 #[cfg(test)]
 pub mod tests {
     use super::*;
 
-    /// Two channels; the third column is nothing in the first.
-    pub fn some() -> (Products, Vec<Stacked>) {
+    /// Two channels of some rows; the third column is nothing in the first.
+    pub fn some(rows: [usize; 2]) -> (Products, Vec<Stacked>) {
         let wave =
             |k: usize, rows: usize| (0..rows).map(|row| (0.3 * (k + 1) as f64 * row as f64).sin()).collect();
-        let column = |k: usize| Stacked::new(vec![(k != 2).then(|| wave(k, 40)), Some(wave(k + 3, 30))]);
+        let column = |k: usize| Stacked::new(vec![(k != 2).then(|| wave(k, rows[0])), Some(wave(k + 3, rows[1]))]);
         let columns: Vec<Stacked> = (0..4).map(column).collect();
         let empty = || vec![Vec::new(); 2];
-        let ranges = vec![0..40, 40..70];
+        let ranges = vec![0..rows[0], rows[0]..rows[0] + rows[1]];
         let places = vec![Vec::new(); 2];
         let mut products = Products { ranges, parts: empty(), places, gram: Vec::new() };
         products.push_white(&columns[..2], 0);
@@ -226,7 +226,7 @@ pub mod tests {
 
     #[test]
     fn products_that_are_formed_late_are_the_same() {
-        let (mut products, columns) = some();
+        let (mut products, columns) = some([40, 30]);
         assert!(!products.is_complete(3));
         products.push_again(&[3, 1], 4);
         products.complete(&[4, 3]);

@@ -135,7 +135,7 @@ impl<'p> Searcher<'p> {
         rest: &Rest,
     ) -> Result<(Option<Line>, Vec<Proposal>), Error> {
         let (line, mut found) = lines::proposals(fitter, fit, rest);
-        found.extend(events::proposals(fitter, fit, rest)?);
+        found.extend(self.moments(fitter, fit, rest)?);
         found.extend(codes::proposals(fitter, fit, rest)?);
         found.retain(|proposal| self.counts(proposal));
         Ok((line, found))

@@ -7,7 +7,6 @@ use physics::Acts;
 
 use super::residuals::{held_out_nt, rms};
 use crate::candidates::{Candidate, searched};
-use crate::channel::Channel;
 use crate::fit::{Fit, Fitter};
 use crate::search::Searcher;
 use crate::what::What;
@@ -65,14 +64,7 @@ pub(super) fn rivals(
 fn beside(fitter: &Fitter<'_, '_>, searcher: &mut Searcher<'_>, base: &Fit, columns: &[usize]) -> Fit {
     let products = searcher.products(fitter);
     let observed = &fitter.model.observed;
-    let dense = |column: &usize| -> Vec<f64> {
-        let part = |(k, channel): (usize, &Channel)| match products.part(k, *column) {
-            Some(part) => part.to_vec(),
-            None => vec![0.0; channel.rows.len()],
-        };
-        observed.channels.iter().enumerate().flat_map(part).collect()
-    };
-    let more: Vec<Vec<f64>> = columns.iter().map(dense).collect();
+    let more: Vec<Vec<f64>> = columns.iter().map(|column| products.column(*column).dense(observed)).collect();
     let own = base.jacobian.ncols();
     let value = |i: usize, j: usize| match j.checked_sub(own) {
         None => base.jacobian[(i, j)],
