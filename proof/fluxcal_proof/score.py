@@ -52,7 +52,18 @@ def read(folder: Path) -> Round:
         for rival, said in rivals.items():
             entry = None if said["names"] is None else verdict.of_names(said["names"], families)
             others.setdefault(rival, []).append(verdict.judge(name, truth, {"entry": entry, "seconds": said["seconds"]}))
+    for outcomes in (own, *others.values()):
+        leave_to_hosts(outcomes)
     return Round(commitment, own[0].truth["seed"], own[0].truth["set"], own, others)
+
+
+def leave_to_hosts(outcomes: list[Outcome]) -> None:
+    """What is claimed in a real recording as it came is held against that answer alone, and not against each injection into it."""
+    bare = lambda names: {name.split(" with ")[0] for name in names}
+    recorded = {one.truth["manners"][0]: set().union(*map(bare, one.claims)) for one in outcomes if one.sort == "recorded"}
+    for one in outcomes:
+        if one.sort == "injected":
+            one.wrong = [names for names in one.wrong if not bare(names) & recorded.get(one.truth["manners"][0], set())]
 
 
 def forms(outcome: Outcome, folder: Path) -> None:

@@ -209,7 +209,8 @@ pub mod tests {
     pub fn some(rows: [usize; 2]) -> (Products, Vec<Stacked>) {
         let wave =
             |k: usize, rows: usize| (0..rows).map(|row| (0.3 * (k + 1) as f64 * row as f64).sin()).collect();
-        let column = |k: usize| Stacked::new(vec![(k != 2).then(|| wave(k, rows[0])), Some(wave(k + 3, rows[1]))]);
+        let column =
+            |k: usize| Stacked::new(vec![(k != 2).then(|| wave(k, rows[0])), Some(wave(k + 3, rows[1]))]);
         let columns: Vec<Stacked> = (0..4).map(column).collect();
         let empty = || vec![Vec::new(); 2];
         let ranges = vec![0..rows[0], rows[0]..rows[0] + rows[1]];

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::amplitude::Fitted;
 use crate::fit::Fit;
 use crate::problem::Problem;
+use crate::products::inner;
 
 /// Blocks of rows that are left out in turn.
 pub const BLOCKS: usize = 10;
@@ -21,15 +22,20 @@ pub const BLOCKS: usize = 10;
 pub fn rms(problem: &Problem, fitted: &Fitted, without: &[Option<usize>]) -> Result<Vec<Vec<f64>>, Error> {
     let of_channel = |channel: usize| -> Result<Vec<f64>, Error> {
         let sets: Vec<Vec<usize>> = without.iter().map(|cause| fitted.without(channel, *cause)).collect();
+        // What a cause that does not show in a channel leaves is all.
+        let mut distinct = sets.clone();
+        distinct.sort_unstable();
+        distinct.dedup();
         let blocks: Vec<Vec<[f64; 2]>> = (0..BLOCKS)
             .into_par_iter()
-            .map(|block| missed(problem, fitted, channel, block, &sets))
+            .map(|block| missed(problem, fitted, channel, block, &distinct))
             .collect::<Result<_, _>>()?;
-        let rms = |set: usize| {
-            let squares = |by: usize| blocks.iter().map(|missed| missed[set][by]).sum::<f64>();
+        let rms = |set: &Vec<usize>| {
+            let place = distinct.partition_point(|other| other < set);
+            let squares = |by: usize| blocks.iter().map(|missed| missed[place][by]).sum::<f64>();
             (squares(0).min(squares(1)) / problem.rows().max(1) as f64).sqrt()
         };
-        Ok((0..sets.len()).map(rms).collect())
+        Ok(sets.iter().map(rms).collect())
     };
     let of_channels: Vec<Vec<f64>> =
         (0..fitted.noise.len()).into_par_iter().map(of_channel).collect::<Result<_, _>>()?;
@@ -57,23 +63,20 @@ fn missed(
     let centred: Vec<f64> = others(y).iter().map(|value| value - mean).collect();
     let own: Vec<Vec<f64>> = columns.iter().map(|column| others(column)).chain([centred]).collect();
     let products = |columns: &[Vec<f64>]| {
-        let count = columns.len();
-        let mut gram = Mat::from_fn(count, count, |i, j| estimate::dot(&columns[i], &columns[j]));
+        let mut gram = inner(columns);
         known.iter().enumerate().for_each(|(column, known)| gram[(column, column)] += known);
         gram
     };
     let plain = products(&own);
-    let white = {
-        let mut white = own.clone();
-        filter.whiten_all(&mut white);
-        products(&white)
-    };
+    let mut white = own;
+    filter.whiten_all(&mut white);
+    let under_noise = products(&white);
     let missed = |gram: &Mat<f64>, set: &[usize]| {
         let fit = Fit::of(gram, columns.len(), set);
         let likely = if filter.is_white() {
             vec![0.0; to - from]
         } else {
-            let v = filter.whiten_transposed(&filter.whiten(&fit.rest(&own, &own[columns.len()])));
+            let v = filter.whiten_transposed(&fit.rest(&white, &white[columns.len()]));
             filter.most_likely(&times, &v, &problem.time_s[from..to])
         };
         let named = |row: usize| -> f64 {
@@ -81,5 +84,5 @@ fn missed(
         };
         (from..to).map(|row| (y[row] - mean - named(row) - likely[row - from]).powi(2)).sum()
     };
-    Ok(sets.iter().map(|set| [missed(&white, set), missed(&plain, set)]).collect())
+    Ok(sets.iter().map(|set| [missed(&under_noise, set), missed(&plain, set)]).collect())
 }

@@ -22,6 +22,8 @@ const BLOCKS: usize = 16;
 const FORMS: usize = 5;
 /// Most columns that are screened at once.
 const AT_ONCE: usize = 160;
+/// Forms are screened under every so many of the laws of noise.
+const LAWS_APART: usize = 3;
 /// Rounds of a set and of the noise of what it leaves.
 const ROUNDS: usize = 3;
 /// Rounds of a spectrum and of the fit under it.
@@ -90,7 +92,8 @@ fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
     let mut noises = noises::laws(problem.step_s());
     if problem.rows() > ROWS || offered.len() > AT_ONCE {
         let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
-        offered = screened(&thin, &offered, &noises, all, &count)?;
+        let some: Vec<noises::Form> = noises.iter().step_by(LAWS_APART).cloned().collect();
+        offered = screened(&thin, &offered, &some, all, &count)?;
         noises = probable(&thin, &offered, noises, all, &count)?;
     }
     let stack = Stack::of(problem, &offered);

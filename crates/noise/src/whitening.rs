@@ -303,31 +303,22 @@ impl Whitening {
     /// there. White noise tells nothing of other times. Both in order.
     pub fn most_likely(&self, time_s: &[f64], v: &[f64], at_s: &[f64]) -> Vec<f64> {
         let mut all = vec![0.0; at_s.len()];
-        for process in self.processes.iter() {
-            let kept = |from: f64, to: f64| (-process.rate_per_s * (to - from)).exp();
-            let mut add = |rows: &mut dyn Iterator<Item = usize>,
-                           own: &mut dyn Iterator<Item = usize>,
-                           sign: f64,
-                           same: bool| {
-                let (mut sum, mut last) = (0.0, f64::NEG_INFINITY);
-                let mut next = own.next();
-                for row in rows {
-                    let at = sign * at_s[row];
-                    while let Some(other) = next
-                        && (sign * time_s[other] < at || same && time_s[other] == at_s[row])
-                    {
-                        sum =
-                            if sum == 0.0 { 0.0 } else { sum * kept(last, sign * time_s[other]) } + v[other];
-                        last = sign * time_s[other];
-                        next = own.next();
-                    }
-                    if last > f64::NEG_INFINITY {
-                        all[row] += process.variance_nt2 * sum * kept(last, at);
-                    }
-                }
-            };
-            add(&mut (0..at_s.len()), &mut (0..v.len()), 1.0, true);
-            add(&mut (0..at_s.len()).rev(), &mut (0..v.len()).rev(), -1.0, false);
+        // Readings up to each time, from the first on; then those after it, from the last on.
+        let (mut sums, mut next) = (Sums::of(&self.processes), 0);
+        for (all, at) in all.iter_mut().zip(at_s) {
+            while next < v.len() && time_s[next] <= *at {
+                sums.add(time_s[next], v[next]);
+                next += 1;
+            }
+            *all += sums.at(*at);
+        }
+        let (mut sums, mut left) = (Sums::of(&self.processes), v.len());
+        for (all, at) in all.iter_mut().zip(at_s).rev() {
+            while left > 0 && time_s[left - 1] > *at {
+                left -= 1;
+                sums.add(-time_s[left], v[left]);
+            }
+            *all += sums.at(-at);
         }
         if self.walk > 0.0 {
             // r² Σ_j v_j min(s, t_j), times from the first row on.
@@ -456,6 +447,47 @@ impl Whitening {
     /// From a row to the next; none after the last, which keeps the gains of a steady filter.
     fn step(&self, row: usize) -> f64 {
         self.steps_s.get(row).or(self.steps_s.last()).copied().unwrap_or(0.0)
+    }
+}
+
+/// Σ_j v_j exp(−λ(t − t_j)) of each process over values before a time t that goes on.
+struct Sums<'a> {
+    processes: &'a [Process],
+    time_s: f64,
+    /// The last step, and what each process keeps over it.
+    step_s: f64,
+    kept: Vec<f64>,
+    sums: Vec<f64>,
+}
+
+impl<'a> Sums<'a> {
+    fn of(processes: &'a [Process]) -> Self {
+        let (kept, sums) = (vec![1.0; processes.len()], vec![0.0; processes.len()]);
+        Self { processes, time_s: f64::NEG_INFINITY, step_s: 0.0, kept, sums }
+    }
+
+    fn go_to(&mut self, time_s: f64) {
+        let step = time_s - self.time_s;
+        self.time_s = time_s;
+        // Equal but for the rounding of times.
+        if (step - self.step_s).abs() > 1e-9 * step {
+            self.step_s = step;
+            let rates = self.processes.iter().map(|process| process.rate_per_s);
+            self.kept.iter_mut().zip(rates).for_each(|(kept, rate)| *kept = (-rate * step).exp());
+        }
+        self.sums.iter_mut().zip(&self.kept).for_each(|(sum, kept)| *sum *= kept);
+    }
+
+    /// Adds a value at a time.
+    fn add(&mut self, time_s: f64, value: f64) {
+        self.go_to(time_s);
+        self.sums.iter_mut().for_each(|sum| *sum += value);
+    }
+
+    /// All processes times their variances at a time.
+    fn at(&mut self, time_s: f64) -> f64 {
+        self.go_to(time_s);
+        self.sums.iter().zip(self.processes).map(|(sum, process)| process.variance_nt2 * sum).sum()
     }
 }
 

@@ -182,7 +182,7 @@ def effects(host: Host, sensor: int, rng: np.random.Generator) -> dict[str, Effe
         "delay": Effect(late, field, lambda s: moved(s)[:, sensor], lambda s: {"lag_s": s, "delay_s": s}, ("loop_bandwidth",)),
         "clock_offset": Effect(late, field, lambda s: moved(sign * s), lambda s: {"offset_s": sign * s}),
         # δ = B(t − r t) − B(t); r, s ppm, grows by a tenth as the quartz warms: Vig 1992, quartz frequency standards.
-        "clock_rate": Effect(late, field, lambda s: moved(1e-6 * s * t * (0.95 + 0.1 * t / span)), lambda s: {"rate_ppm": s}),
+        "clock_rate": Effect(late, field, lambda s: moved(1e-6 * s * t * (0.95 + 0.1 * t / span)), lambda s: {"rate_ppm": s}, ("clock_offset",)),
         # δ = s C (B − L), τ dL/dt = B − L, the vertical most: Parkinson 1959, Geophys. J. 2, 1.
         "induction_difference": Effect(late, {"pair"}, induced, lambda s: {"time_constant_s": 0.3 * tau}),
         # δ = s exp(−t/τ), a tenth quicker; s t, slower at the end; s from a moment on: Jankowski and Sucksdorff 1996, IAGA Guide.
@@ -233,11 +233,13 @@ def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> 
         sees = not (blind and one) or along[sensor] >= LEAST_ALONG * np.linalg.norm(along)
         shows = left_nt >= LEAST_LEFT * nt.std(axis=0).max() and np.abs(nt).max() <= MOST_NT
         if sees and shows and abs(left_nt / wanted_nt - 1) < CLOSE:
-            # The length of a vector that points one way shows no sensor, nor sizes: a name is right on any of them and without one.
+            # The length of a vector that points one way shows no sensor, nor sizes: a name is right on any of them and without one, and
+            # a late sensor is a late clock.
             targets, own, twice = ["", *AXES] if blind else [AXES[sensor] if one else ""], effect.parameters(size), effect.parameters(2 * size)
+            late = ("delay", "loop_bandwidth", "clock_offset") if blind and name in ("delay", "loop_bandwidth", "clock_offset") else ()
             return host.case("injected", host.with_added(nt), [dict(
                 kind=name, form="in a real recording", family=effect.family, source=host.name, strength=strength, undecidable=False, left_nt=left_nt,
-                right=[(known, axis) for known in (name, *effect.also) for axis in targets],
+                right=[(known, axis) for known in dict.fromkeys((name, *effect.also, *late)) for axis in targets],
                 parameters={key: float(value) for key, value in own.items() if not blind or value == twice[key]})])
     return None
 
