@@ -22,7 +22,7 @@ pub const BLOCKS: usize = 10;
 pub fn rms(problem: &Problem, fitted: &Fitted, without: &[Option<usize>]) -> Result<Vec<Vec<f64>>, Error> {
     let of_channel = |channel: usize| -> Result<Vec<f64>, Error> {
         let sets: Vec<Vec<usize>> = without.iter().map(|cause| fitted.without(channel, *cause)).collect();
-        // What a cause that does not show in a channel leaves is all.
+        // Without a cause that does not show in the channel the columns are the same.
         let mut distinct = sets.clone();
         distinct.sort_unstable();
         distinct.dedup();
