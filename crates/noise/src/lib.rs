@@ -13,6 +13,7 @@ mod level;
 mod means;
 mod power_law;
 mod stream;
+mod sums;
 mod whitening;
 
 pub use covariance::covariance;

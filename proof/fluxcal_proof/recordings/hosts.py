@@ -236,10 +236,11 @@ def inject(host: Host, name: str, strength: float, rng: np.random.Generator) -> 
             # The length of a vector that points one way shows no sensor, nor sizes: a name is right on any of them and without one, and
             # a late sensor is a late clock.
             targets, own, twice = ["", *AXES] if blind else [AXES[sensor] if one else ""], effect.parameters(size), effect.parameters(2 * size)
-            late = ("delay", "loop_bandwidth", "clock_offset") if blind and name in ("delay", "loop_bandwidth", "clock_offset") else ()
+            late = ("delay", "loop_bandwidth", "clock_offset")
+            also = (*effect.also, *late) if blind and name in late else effect.also
             return host.case("injected", host.with_added(nt), [dict(
                 kind=name, form="in a real recording", family=effect.family, source=host.name, strength=strength, undecidable=False, left_nt=left_nt,
-                right=[(known, axis) for known in dict.fromkeys((name, *effect.also, *late)) for axis in targets],
+                right=[(known, axis) for known in dict.fromkeys((name, *also)) for axis in targets],
                 parameters={key: float(value) for key, value in own.items() if not blind or value == twice[key]})])
     return None
 

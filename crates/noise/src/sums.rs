@@ -1,0 +1,45 @@
+//! Sums of values that each process forgets as time goes on.
+
+use crate::Process;
+
+/// Σ_j v_j exp(−λ(t − t_j)) of each process over values before a time t that goes on.
+pub struct Sums<'a> {
+    processes: &'a [Process],
+    time_s: f64,
+    /// The last step, and what each process keeps over it.
+    step_s: f64,
+    kept: Vec<f64>,
+    sums: Vec<f64>,
+}
+
+impl<'a> Sums<'a> {
+    /// Of nothing yet.
+    pub fn of(processes: &'a [Process]) -> Self {
+        let (kept, sums) = (vec![1.0; processes.len()], vec![0.0; processes.len()]);
+        Self { processes, time_s: f64::NEG_INFINITY, step_s: 0.0, kept, sums }
+    }
+
+    fn go_to(&mut self, time_s: f64) {
+        let step = time_s - self.time_s;
+        self.time_s = time_s;
+        // Equal but for the rounding of times.
+        if (step - self.step_s).abs() > 1e-9 * step {
+            self.step_s = step;
+            let rates = self.processes.iter().map(|process| process.rate_per_s);
+            self.kept.iter_mut().zip(rates).for_each(|(kept, rate)| *kept = (-rate * step).exp());
+        }
+        self.sums.iter_mut().zip(&self.kept).for_each(|(sum, kept)| *sum *= kept);
+    }
+
+    /// Adds a value at a time.
+    pub fn add(&mut self, time_s: f64, value: f64) {
+        self.go_to(time_s);
+        self.sums.iter_mut().for_each(|sum| *sum += value);
+    }
+
+    /// All processes times their variances at a time.
+    pub fn at(&mut self, time_s: f64) -> f64 {
+        self.go_to(time_s);
+        self.sums.iter().zip(self.processes).map(|(sum, process)| process.variance_nt2 * sum).sum()
+    }
+}
