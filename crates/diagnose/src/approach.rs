@@ -9,7 +9,7 @@ use physics::Kind;
 use crate::algebra::square;
 use crate::candidates::Pool;
 use crate::course::{self, Ground};
-use crate::fit::{Fit, Fitter};
+use crate::fit::{Fit, Fitter, restricted};
 use crate::model::{Model, State};
 use crate::proposal::Addition;
 use crate::search::Searcher;
@@ -25,6 +25,7 @@ pub struct Approach {
     fit: Fit,
     /// The noise beside them.
     noise: NoiseModel,
+    names: Vec<String>,
     /// The candidates about it, where it is elsewhere.
     pub pool: Option<Pool>,
 }
@@ -53,29 +54,23 @@ pub fn of(
     let look = searcher.look(&fitter, &fit)?;
     let events = look.events.clone();
     let ground = Ground { fit, noise: noise.clone(), look, codes: Vec::new() };
-    let answer = course::weighed(searcher, &fitter, &ground, (&events, &[]))?;
-    let Some(left) = answer.left else { return Ok(None) };
-    // The residual that the noise is taken from, and the calibration to begin with.
-    let (left, used, state) = if is_large {
-        let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
-        match course::beside(model, &ground, &additions, None) {
-            Err(Error::Unanswerable(_)) => return Ok(None),
-            near => {
-                let near = near?;
-                (near.residual, near.rank, State { base: near.state.base, ..base.state.clone() })
-            }
-        }
-    } else {
-        (left, ground.fit.rank, base.state.clone())
+    let answer = course::weighed(searcher, &fitter, &ground, (&events, &[]), &[])?;
+    if answer.names.is_empty() {
+        return Ok(None);
+    }
+    let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
+    let near = match course::beside(model, &ground, &additions, None) {
+        Err(Error::Unanswerable(_)) => return Ok(None),
+        near => near?,
     };
-    let noise = match declared {
-        true => noise,
-        false => NoiseModel::of(document, &model.observed, &base.state, &left, Some(used))?,
-    };
+    let noise = if declared { noise } else { restricted(document, model, &near.state, &near.residual)? };
+    let state =
+        if is_large { State { base: near.state.base, ..base.state.clone() } } else { base.state.clone() };
     let fitter = Fitter { model, noise: &noise };
     let fit = if is_large { fitter.at(&state)? } else { fitter.refine(&state)? };
     let pool = is_large.then(|| Pool::of(model, &state, without)).transpose()?;
-    Ok(Some(Approach { fit, noise, pool }))
+    let names = answer.names.iter().map(|name| name.name.clone()).collect();
+    Ok(Some(Approach { fit, noise, names, pool }))
 }
 
 impl Approach {
@@ -90,7 +85,7 @@ impl Approach {
         told: &dyn Fn(&str),
     ) -> Result<Option<Outcome>, Error> {
         let start = (self.fit.clone(), self.noise.clone());
-        let found = course::search(document, model, searcher, before, start, told)?;
+        let found = course::search(document, model, searcher, before, start, self.names.clone(), told)?;
         let is_named = !matches!(found.verdict, Verdict::Unexplained | Verdict::Agrees);
         let likelier = found.fit.log_likelihood(&found.noise) - base.log_likelihood(base_noise);
         if !is_named || found.found.is_empty() || likelier < cost(searcher, model, (base, &found)) {

@@ -57,13 +57,14 @@ impl Ground {
     }
 }
 
-/// Searches, fits, and judges.
+/// Searches from names that are known, if any, fits, and judges.
 pub fn search(
     document: &Document,
     model: &Model<'_>,
     searcher: &mut Searcher<'_>,
     before: Vec<f64>,
     (base, base_noise): (Fit, NoiseModel),
+    mut known: Vec<String>,
     told: &dyn Fn(&str),
 ) -> Result<Outcome, Error> {
     let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
@@ -85,7 +86,8 @@ pub fn search(
     loop {
         told(&format!("comparing sets of effects, round {}", round + 1));
         let mut answer =
-            weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes))?;
+            weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes), &known)?;
+        known = answer.names.iter().map(|name| name.name.clone()).collect();
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
         let near = beside(model, &ground, &additions, None);
         let (fit, noise, left, cost) = match near.and_then(|fit| {
@@ -219,12 +221,13 @@ fn certain(proposal: &Proposal) -> NamedEffect {
     }
 }
 
-/// Sets of atoms weighed on the ground of a search, and what they say.
+/// Sets of atoms weighed on the ground of a search, from names that are known on, and what they say.
 pub fn weighed(
     searcher: &mut Searcher<'_>,
     fitter: &Fitter<'_, '_>,
     ground: &Ground,
     (events, shapes): (&[Proposal], &[EffectInstance]),
+    known: &[String],
 ) -> Result<verdict::Answer, Error> {
     let model = fitter.model;
     let pool = searcher.pool();
@@ -264,7 +267,7 @@ pub fn weighed(
     let followed = Followed::of(model, &ground.fit.state)?;
     let screen = searcher.screen(fitter, &ground.fit)?;
     let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
-    let ranked = sets.search();
+    let ranked = sets.search(known);
     let mut answer = verdict::answer(&atoms, &sets, &ranked, searcher.level);
     let named = |member: &&Member| atoms.all[member.atom].is_named();
     let named: Vec<Member> = answer.members.iter().filter(named).cloned().collect();
@@ -272,7 +275,6 @@ pub fn weighed(
     // What stands out of all that was found; and beside the names alone, for structure without a name passes
     // for what happened at a moment.
     let beside = named.len() < best.len();
-    answer.left = (!named.is_empty()).then(|| fitter.in_nt(&sets.residual(&named, &ground.fit.white)));
     for (whole, members) in [(true, Some(best)), (false, Some(named).filter(|_| beside))] {
         let Some(members) = members else { continue };
         let white = sets.residual(&members, &ground.fit.white);

@@ -95,7 +95,7 @@ fn decides(bare: &Document, variant: &Variant, names: &[Alternative]) -> Result<
     let Ok(observed) = Observed::of(&document) else { return Ok(0.0) };
     let (model, state) = Model::of(&document, observed)?;
     let zeros = vec![0.0; model.observed.rows];
-    let noise = NoiseModel::of(&document, &model.observed, &state, &zeros, None)?;
+    let noise = NoiseModel::of(&document, &model.observed, &state, &zeros)?;
     let base = noise.whiten_all(&model.observed, &model.base_columns(&state)?);
     let mut predicted = Vec::new();
     for name in names {

@@ -265,7 +265,7 @@ impl Descent for Fitter<'_, '_> {
     }
 }
 
-/// Most times that noise is estimated anew, white and with a spectrum each.
+/// Most times that white noise is estimated anew.
 const ESTIMATES: usize = 8;
 /// Change of its variance below which it is as it was.
 const ESTIMATED: f64 = 0.02;
@@ -274,19 +274,25 @@ const ESTIMATED: f64 = 0.02;
 /// as white. (Of the residual of a calibration that is far off, most would pass for slow noise.)
 pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = NoiseModel::of(document, &model.observed, start, &residual, None)?;
+    let first = NoiseModel::of(document, &model.observed, start, &residual)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
     if first.known > 0.0 {
         return Ok((fit, first));
     }
-    // Beside the scatter of a calibration that is far off, what is stated of it weighs too much, and slow
-    // noise takes what is left of it: the size of white noise settles before its spectrum.
-    let white = estimated(document, model, (fit, first), false)?;
-    let coloured = estimated(document, model, white.clone(), true)?;
-    // A spectrum by its periodogram need not be one of the residual: what turns by hand has lines.
-    let likely = |(fit, noise): &(Fit, NoiseModel)| fit.log_likelihood(noise);
-    let (fit, noise) = if likely(&coloured) >= likely(&white) { coloured } else { white };
+    let (fit, _) = estimated(document, model, (fit, first))?;
+    let noise = restricted(document, model, &fit.state, &fit.residual)?;
     Ok((Fitter { model, noise: &noise }.refine(&fit.state)?, noise))
+}
+
+/// Noise with memory of a residual beside all that a state has unknown.
+pub fn restricted(
+    document: &Document,
+    model: &Model<'_>,
+    state: &State,
+    residual: &[f64],
+) -> Result<NoiseModel, Error> {
+    let columns = [model.base_columns(state)?, model.other_columns(state)?].concat();
+    NoiseModel::restricted(document, &model.observed, &columns, residual)
 }
 
 /// The fit by least squares: under white noise of the size that it leaves.
@@ -296,23 +302,21 @@ pub fn settled_white(
     start: &State,
 ) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = NoiseModel::estimated(document, &model.observed, &residual, None)?;
+    let first = NoiseModel::estimated(document, &model.observed, &residual)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
-    let (fit, noise) = estimated(document, model, (fit, first), false)?;
+    let (fit, noise) = estimated(document, model, (fit, first))?;
     Ok((Fitter { model, noise: &noise }.refine(&fit.state)?, noise))
 }
 
-/// A rough fit and its noise, estimated anew in turn until its size stays.
+/// A rough fit and its white noise, estimated anew in turn until its size stays.
 fn estimated(
     document: &Document,
     model: &Model<'_>,
     (mut fit, mut noise): (Fit, NoiseModel),
-    with_spectrum: bool,
 ) -> Result<(Fit, NoiseModel), Error> {
     for _ in 0..ESTIMATES {
         let before = noise.variance();
-        let used = with_spectrum.then_some(fit.rank);
-        noise = NoiseModel::estimated(document, &model.observed, &fit.residual, used)?;
+        noise = NoiseModel::estimated(document, &model.observed, &fit.residual)?;
         fit = Fitter { model, noise: &noise }.minimum(&fit.state, None, &ROUGH)?;
         if (noise.variance() / before - 1.0).abs() < ESTIMATED {
             break;

@@ -291,7 +291,7 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
         Some(found) => (found, about.unwrap_or(searcher)),
         None => {
             let from = (base, base_noise);
-            (course::search(&original, &model, &mut searcher, before, from, told)?, searcher)
+            (course::search(&original, &model, &mut searcher, before, from, Vec::new(), told)?, searcher)
         }
     };
     told("writing the answer");

@@ -111,11 +111,15 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         Self { atoms, noise, products, projection, followed, rest, screen, forms: HashMap::new() }
     }
 
-    /// The sets that were weighed, the empty one among them, the most probable first.
-    pub fn search(&mut self) -> Vec<Set> {
+    /// The sets that were weighed, the empty one and that of some names among them, the most probable first.
+    pub fn search(&mut self, names: &[String]) -> Vec<Set> {
         let empty = Set::default();
         let mut seen: HashMap<Vec<usize>, Set> = HashMap::from([(empty.key(), empty.clone())]);
-        let mut beam = vec![empty];
+        let mut beam = vec![empty.clone()];
+        if let Some(start) = self.of_names(empty, names).filter(|set| !set.members.is_empty()) {
+            keep(&mut seen, start.clone());
+            beam.push(start);
+        }
         for _ in 0..DEPTH {
             let mut next = self.grown(&beam, &mut seen);
             next.truncate(BEAM);
@@ -141,14 +145,33 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         sorted(seen)
     }
 
-    /// Sets with one member more, the most promising of each.
-    fn grown(&mut self, sets: &[Set], seen: &mut HashMap<Vec<usize>, Set>) -> Vec<Set> {
+    /// A set with names one after the other, as far as they are atoms.
+    fn of_names(&mut self, mut set: Set, names: &[String]) -> Option<Set> {
+        for name in names {
+            let Some(number) = self.atoms.all.iter().position(|atom| atom.name == *name) else { continue };
+            self.complete(std::slice::from_ref(&set));
+            let given = Given::of(&self.screen, self.terms(&set.members))?;
+            let (_, member, coefficients) = self.alone(&given, number, f64::NEG_INFINITY)?;
+            self.add_forms([&(member.clone(), coefficients)].into_iter());
+            set.members.push(member);
+            set = self.weighed(set.members, false)?;
+        }
+        Some(set)
+    }
+
+    /// Has all products of the columns of sets.
+    fn complete(&mut self, sets: &[Set]) {
         let terms = sets.iter().flat_map(|set| self.terms(&set.members));
         let mut columns: Vec<usize> = terms.map(|(column, _)| column).collect();
         columns.sort_unstable();
         columns.dedup();
         columns.retain(|column| !self.products.is_complete(*column));
         self.projection.complete(&mut self.screen, &mut self.products, &columns);
+    }
+
+    /// Sets with one member more, the most promising of each.
+    fn grown(&mut self, sets: &[Set], seen: &mut HashMap<Vec<usize>, Set>) -> Vec<Set> {
+        self.complete(sets);
         let found: Vec<Vec<(Member, Vec<f64>)>> = sets.iter().map(|set| self.promising(set)).collect();
         self.add_forms(found.iter().flatten());
         let tried: Vec<Vec<Member>> = sets

@@ -90,8 +90,6 @@ pub struct Answer {
     pub gain: f64,
     /// The members of the best set that stand.
     pub members: Vec<Member>,
-    /// What the names among them leave, nT; None where there are none.
-    pub left: Option<Vec<f64>>,
     /// Moments, lines and codes in what they leave.
     pub events: Vec<Proposal>,
     /// What other sets that are nearly as probable hold.
@@ -237,7 +235,6 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
         refused,
         gain: named,
         members,
-        left: None,
         events: Vec::new(),
         rivals,
         unnamed,

@@ -1,6 +1,7 @@
 //! The noise of each channel, and with it the way to independent errors of variance one.
 
 mod declared;
+mod restricted;
 
 use common::{Document, Noise};
 use estimate::events::correlate;
@@ -44,34 +45,37 @@ pub struct NoiseModel {
 }
 
 impl NoiseModel {
-    /// The noise as the document declares it, through the converters of a state; where it does not, as
-    /// `residual` (nT, stacked, with `used` degrees of freedom taken by the fit) shows it: white, before
-    /// there was a fit.
+    /// The noise as the document declares it, through the converters of a state; where it does not, white as
+    /// `residual` (nT, stacked) shows it.
     pub fn of(
         document: &Document,
         observed: &Observed<'_>,
         state: &State,
         residual: &[f64],
-        used: Option<usize>,
     ) -> Result<Self, Error> {
         let declared: Vec<Option<Noise>> =
             observed.channels.iter().map(|channel| declared(document, observed, state, channel)).collect();
         let known = known_freedom(&declared);
         if known == 0.0 {
-            return Self::estimated(document, observed, residual, used);
+            return Self::estimated(document, observed, residual);
         }
         let noises: Vec<Noise> = declared.into_iter().flatten().collect();
         Self::with(observed, &noises, known)
     }
 
-    /// The noise as a residual shows it, whatever is declared.
-    pub fn estimated(
+    /// White noise as a residual shows it, whatever is declared.
+    pub fn estimated(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
+        Self::with(observed, &estimate(document, observed, residual), 0.0)
+    }
+
+    /// Noise with memory as a residual shows it beside columns (nT, stacked) that were fitted, whatever is declared.
+    pub fn restricted(
         document: &Document,
         observed: &Observed<'_>,
+        columns: &[Vec<f64>],
         residual: &[f64],
-        used: Option<usize>,
     ) -> Result<Self, Error> {
-        Self::with(observed, &estimate(document, observed, residual, used)?, 0.0)
+        Self::with(observed, &restricted::restricted(document, observed, columns, residual)?, 0.0)
     }
 
     fn with(observed: &Observed<'_>, noises: &[Noise], known: f64) -> Result<Self, Error> {

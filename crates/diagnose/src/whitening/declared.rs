@@ -1,21 +1,15 @@
 //! The noise of each channel: as the document declares it, or as a residual shows it.
 
 use common::{Axis, Document, Noise};
-use estimate::even::{NEAR, Places};
-use estimate::periodogram::periodogram;
-use estimate::whittle::{self, White};
 use nalgebra::Vector3;
 use physics::{EffectInstance, Kind, SensorConstants, Setting, Unit};
 use std::collections::BTreeMap;
 
-use crate::Error;
 use crate::channel::{Channel, Reader};
 use crate::decide::DECLARED;
 use crate::model::State;
 use crate::observed::Observed;
 
-/// Fewest readings of an even series that a spectrum is fitted to.
-const SPECTRUM_FROM: usize = 64;
 /// Fewest readings of a sensor that give its white noise by themselves.
 const ALONE_FROM: usize = 40;
 
@@ -137,15 +131,8 @@ pub fn known_freedom(declared: &[Option<Noise>]) -> f64 {
     if relative > 0.0 { 0.5 / (relative * relative) } else { f64::INFINITY }
 }
 
-/// Noise as a residual shows it: the spectrum of a series that is even but for what is missing, else white
-/// noise of each kind of channel.
-pub(super) fn estimate(
-    document: &Document,
-    observed: &Observed<'_>,
-    residual: &[f64],
-    used: Option<usize>,
-) -> Result<Vec<Noise>, Error> {
-    let share = (1.0 - used.unwrap_or(0) as f64 / observed.rows as f64).max(0.05);
+/// White noise of each kind of channel as a residual shows it.
+pub(super) fn estimate(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Vec<Noise> {
     let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
     let (mut whole, mut readings) = (0.0, 0);
     for channel in &observed.channels {
@@ -155,53 +142,21 @@ pub(super) fn estimate(
         (whole, readings) = (whole + sum, readings + channel.rows.len());
     }
     let alone = sums.values().all(|(_, count)| *count >= ALONE_FROM);
-    observed
-        .channels
-        .iter()
-        .map(|channel| {
-            let (sum, count) = if alone { sums[&kind(channel)] } else { (whole, readings) };
-            let least = (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt());
-            let variance = (sum / (count as f64 * share)).max(least);
-            let white = Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() };
-            let time = observed.times(channel).filter(|_| used.is_some());
-            let even = time.and_then(|time| {
-                Places::of(&time).filter(|even| even.even(NEAR) && even.count() < 2 * time.len())
-            });
-            let Some(Places { step_s, places, .. }) = even.filter(|_| channel.rows.len() >= SPECTRUM_FROM)
-            else {
-                return Ok(white);
-            };
-            let spectrum = periodogram(&with_zeros(&residual[channel.range()], &places), step_s);
-            let fit = spectrum.and_then(|spectrum| whittle::fit_with(&[spectrum], White::PerReading));
-            let Ok(fit) = fit else { return Ok(white) };
-            if fit.amplitude.value <= 0.0 {
-                return Ok(white);
-            }
-            Ok(Noise {
-                white_rms_nt: Some(fit.white_variances[0].max(1e-6 * variance).sqrt()),
-                flicker_nt2_per_hz_at_1hz: Some(fit.amplitude.value),
-                flicker_exponent: Some(fit.exponent.value.min(2.0)),
-                ..Noise::default()
-            })
-        })
-        .collect()
+    let of = |channel: &Channel| {
+        let (sum, count) = if alone { sums[&kind(channel)] } else { (whole, readings) };
+        let variance = (sum / count as f64).max(least_nt2(document, observed, channel));
+        Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() }
+    };
+    observed.channels.iter().map(of).collect()
 }
 
-/// An even series of a residual about its mean, zero where a sample is missing, scaled so that its density is
-/// that of the residual.
-fn with_zeros(residual: &[f64], places: &[usize]) -> Vec<f64> {
-    let samples = places.last().map_or(0, |last| last + 1);
-    let mean = residual.iter().sum::<f64>() / residual.len().max(1) as f64;
-    let scale = (samples as f64 / residual.len().max(1) as f64).sqrt();
-    let mut even = vec![0.0; samples];
-    for (place, value) in places.iter().zip(residual) {
-        even[*place] = scale * (value - mean);
-    }
-    even
+/// The least variance of a channel: that of its codes.
+pub(super) fn least_nt2(document: &Document, observed: &Observed<'_>, channel: &Channel) -> f64 {
+    (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt())
 }
 
-/// Channels that share their white noise.
-fn kind(channel: &Channel) -> String {
+/// Channels that share their noise.
+pub(super) fn kind(channel: &Channel) -> String {
     match channel.reader {
         Reader::Scalar => "scalar".into(),
         Reader::Magnitude => "magnitude".into(),
@@ -212,19 +167,6 @@ fn kind(channel: &Channel) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn missing_samples_leave_the_power_as_it_is() {
-        let residual: Vec<f64> = (0..900).map(|k| 2.0 + (0.7 * f64::from(k)).sin()).collect();
-        let places: Vec<usize> = (0..1000).filter(|place| !(400..500).contains(place)).collect();
-        let even = with_zeros(&residual, &places);
-        let power = |values: &[f64]| {
-            let mean = values.iter().sum::<f64>() / values.len() as f64;
-            values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64
-        };
-        assert_eq!((even.len(), even[450]), (1000, 0.0));
-        assert!((power(&even) / power(&residual) - 1.0).abs() < 1e-9);
-    }
 
     #[test]
     fn noise_through_a_converter_has_both_limits() {
