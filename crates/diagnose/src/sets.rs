@@ -116,10 +116,6 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         let empty = Set::default();
         let mut seen: HashMap<Vec<usize>, Set> = HashMap::from([(empty.key(), empty.clone())]);
         let mut beam = vec![empty.clone()];
-        if let Some(start) = self.of_names(empty, names).filter(|set| !set.members.is_empty()) {
-            keep(&mut seen, start.clone());
-            beam.push(start);
-        }
         for _ in 0..DEPTH {
             let mut next = self.grown(&beam, &mut seen);
             next.truncate(BEAM);
@@ -131,6 +127,10 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             if !goes_on {
                 break;
             }
+        }
+        if let Some(known) = self.of_names(empty, names).filter(|set| !set.members.is_empty()) {
+            keep(&mut seen, known.clone());
+            self.grown(&[known], &mut seen);
         }
         for _ in 0..DEPTH {
             let Some(best) = sorted(seen.clone()).into_iter().next() else { break };

@@ -21,7 +21,7 @@ const AT: f64 = 0.05;
 /// How far beside the likeliest ratio others are tried then, one after the other.
 const BESIDE: [f64; 2] = [0.5, 0.25];
 /// Most rows of a channel that are looked at.
-const ROWS: usize = 20_000;
+const ROWS: usize = 4000;
 /// How often all kinds of channels are gone through, and how often a scale is found anew for each law.
 const SWEEPS: usize = 2;
 const SCALINGS: usize = 3;
