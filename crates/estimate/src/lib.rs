@@ -57,50 +57,24 @@ use thiserror::Error;
 
 /// Why an estimate could not be made.
 #[derive(Debug, Error)]
+#[expect(missing_docs, reason = "what the fields are their messages say")]
 pub enum Error {
     /// The matrix has entries that are not finite, or the decomposition failed.
     #[error(
         "the singular value decomposition of a {rows}x{columns} matrix failed ({reason}); the input has entries that are not finite, or that are absurdly large"
     )]
-    Decomposition {
-        /// Rows of the matrix.
-        rows: usize,
-        /// Columns of the matrix.
-        columns: usize,
-        /// What was seen.
-        reason: String,
-    },
+    Decomposition { rows: usize, columns: usize, reason: String },
     /// The iteration stopped without reaching a minimum.
     #[error(
         "no minimum after {iterations} steps; the last one still moved the prediction by {last_shift:.3e} standard deviations"
     )]
-    NotConverged {
-        /// Steps made.
-        iterations: usize,
-        /// Weighted shift of the last step.
-        last_shift: f64,
-    },
+    NotConverged { iterations: usize, last_shift: f64 },
     /// There are too few readings.
     #[error("{found} readings for {unknowns} unknowns; at least {unknowns} are needed")]
-    TooFew {
-        /// Readings given.
-        found: usize,
-        /// Unknowns asked for.
-        unknowns: usize,
-    },
+    TooFew { found: usize, unknowns: usize },
     /// A series that has no spectrum.
     #[error("no spectrum of a series {0}")]
     Series(&'static str),
-    /// A density that no noise has.
-    #[error(
-        "the density of the noise is {found} at {frequency_hz} Hz; it must be finite and above zero from 0 Hz to the Nyquist frequency: hold it constant below the lowest frequency of its law"
-    )]
-    Density {
-        /// Where.
-        frequency_hz: f64,
-        /// What was found.
-        found: f64,
-    },
 }
 
 impl Told for Error {

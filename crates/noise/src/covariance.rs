@@ -1,8 +1,7 @@
 use common::Noise;
-
 use fourier::Complex;
 
-use crate::{Grid, NoiseError};
+use crate::{Grid, NoiseError, flicker_of};
 
 /// Covariance of readings at given times under a declared noise: of exactly the process that
 /// [`crate::series`] draws from. Rows of rows, nT².
@@ -15,12 +14,7 @@ pub fn covariance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<
     let white = noise.white_rms_nt.unwrap_or(0.0);
     (0..rows).for_each(|row| all[row * rows + row] = white * white);
     let Some(time) = time_s.filter(|time| time.len() == rows && rows > 1) else { return Ok(all) };
-    let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
-    if amplitude > 0.0 {
-        let exponent = noise.flicker_exponent.unwrap_or(1.0);
-        if !(0.0..=2.0).contains(&exponent) {
-            return Err(NoiseError::Exponent(exponent));
-        }
+    if let Some((amplitude, exponent)) = flicker_of(noise)? {
         let grid = Grid::of(time)?;
         let lags = autocovariance(grid.points, grid.step_s, amplitude, exponent);
         let places: Vec<(usize, f64)> =
@@ -84,18 +78,25 @@ pub(crate) fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) 
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::series;
 
+    /// White, flicker and walk together.
+    pub(crate) fn declared() -> Noise {
+        Noise {
+            white_rms_nt: Some(0.4),
+            flicker_nt2_per_hz_at_1hz: Some(0.3),
+            flicker_exponent: Some(1.2),
+            random_walk_nt_per_sqrt_s: Some(0.2),
+            ..Noise::default()
+        }
+    }
+
     #[test]
     fn it_is_the_covariance_of_what_is_drawn() {
-        // White, flicker and walk together at uneven times: 40 000 draws against the covariance, five
-        // standard errors.
-        let noise: Noise = serde_json::from_str(
-            r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
-        )
-        .expect("a noise");
+        // At even and uneven times: 40 000 draws against the covariance, five standard errors.
+        let noise = declared();
         for time in [vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0], vec![0.0, 1.0, 2.0, 3.5, 4.0, 9.2, 10.0]] {
             let rows = time.len();
             let expected = covariance(&noise, rows, Some(&time)).expect("a covariance");

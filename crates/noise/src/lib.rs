@@ -70,12 +70,7 @@ pub fn series(
     let mut stream = Stream::new(seed, channel);
     let mut readings: Vec<f64> = (0..rows).map(|_| stream.normal() * white).collect();
     let Some(time) = time_s.filter(|time| time.len() == rows && rows > 1) else { return Ok(readings) };
-    let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
-    if amplitude > 0.0 {
-        let exponent = noise.flicker_exponent.unwrap_or(1.0);
-        if !(0.0..=2.0).contains(&exponent) {
-            return Err(NoiseError::Exponent(exponent));
-        }
+    if let Some((amplitude, exponent)) = flicker_of(noise)? {
         let mut stream = Stream::new(seed, &format!("{channel}/flicker"));
         let grid = Grid::of(time)?;
         let flicker = power_law(&mut stream, grid.points, grid.step_s, amplitude, exponent);
@@ -91,6 +86,17 @@ pub fn series(
         }
     }
     Ok(readings)
+}
+
+/// Amplitude (nT²/Hz at 1 Hz) and exponent of the flicker noise, where there is any.
+fn flicker_of(noise: &Noise) -> Result<Option<(f64, f64)>, NoiseError> {
+    let Some(amplitude) = noise.flicker_nt2_per_hz_at_1hz.filter(|amplitude| *amplitude > 0.0) else {
+        return Ok(None);
+    };
+    match noise.flicker_exponent.unwrap_or(1.0) {
+        exponent @ 0.0..=2.0 => Ok(Some((amplitude, exponent))),
+        other => Err(NoiseError::Exponent(other)),
+    }
 }
 
 /// Rounds to whole codes of a width; a width of zero rounds nothing.

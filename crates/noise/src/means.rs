@@ -4,7 +4,7 @@ use common::Noise;
 use fourier::Complex;
 
 use crate::covariance::powers;
-use crate::{Grid, NoiseError};
+use crate::{Grid, NoiseError, flicker_of};
 
 /// Covariance of means of readings under a declared noise, of exactly the process that [`crate::series`]
 /// draws from: rows of rows, nT².
@@ -14,9 +14,7 @@ use crate::{Grid, NoiseError};
 /// frequencies of its grid, W the transform of a mean's weights. The random walk has r² times the mean of
 /// min(t_i, t_j), counted from the first row. Without times only white noise counts.
 ///
-/// # Errors
-///
-/// As [`crate::series`].
+/// Errors: as [`crate::series`].
 pub fn covariance_of_means(
     noise: &Noise,
     time_s: Option<&[f64]>,
@@ -32,12 +30,7 @@ pub fn covariance_of_means(
         all[group * many + group] = white * white / rows.len() as f64;
     }
     let Some(time) = time_s.filter(|time| time.len() > 1) else { return Ok(all) };
-    let amplitude = noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0);
-    if amplitude > 0.0 {
-        let exponent = noise.flicker_exponent.unwrap_or(1.0);
-        if !(0.0..=2.0).contains(&exponent) {
-            return Err(NoiseError::Exponent(exponent));
-        }
+    if let Some((amplitude, exponent)) = flicker_of(noise)? {
         let grid = Grid::of(time)?;
         let transform = fourier::forward(grid.points);
         let spectra: Vec<Vec<Complex<f64>>> = members
@@ -96,9 +89,7 @@ pub fn covariance_of_means(
 
 /// Variance of the mean of all readings, nT².
 ///
-/// # Errors
-///
-/// As [`crate::series`].
+/// Errors: as [`crate::series`].
 pub fn mean_variance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<f64, NoiseError> {
     let whole = 0..rows;
     let time = time_s.filter(|time| time.len() == rows);
@@ -109,32 +100,17 @@ pub fn mean_variance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Resu
 mod tests {
     use super::*;
     use crate::covariance;
-
-    #[test]
-    fn the_mean_has_the_variance_of_the_matrix() {
-        let noise: Noise = serde_json::from_str(
-            r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
-        )
-        .expect("a noise");
-        for time in [vec![0.0, 1.0, 2.0, 3.0, 4.0, 5.0], vec![0.0, 1.0, 2.0, 3.5, 4.0, 9.2, 10.0]] {
-            let rows = time.len();
-            let all = covariance(&noise, rows, Some(&time)).expect("a covariance");
-            let expected = all.iter().sum::<f64>() / (rows * rows) as f64;
-            let found = mean_variance(&noise, rows, Some(&time)).expect("a variance");
-            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
-        }
-    }
+    use crate::covariance::tests::declared;
 
     #[test]
     fn it_is_that_of_the_readings_taken_together() {
-        let noise: Noise = serde_json::from_str(
-            r#"{"white_rms_nt": 0.4, "flicker_nt2_per_hz_at_1hz": 0.3, "flicker_exponent": 1.2, "random_walk_nt_per_sqrt_s": 0.2}"#,
-        )
-        .expect("a noise");
+        let noise = declared();
         let even: Vec<f64> = (0..12).map(f64::from).collect();
         let settling: Vec<f64> = (0..12).map(|row| f64::from(row) + f64::from(row / 3) * 10.5).collect();
         for time in [even, settling] {
             let each = covariance(&noise, 12, Some(&time)).expect("a covariance");
+            let (whole, mean) = (mean_variance(&noise, 12, Some(&time)), each.iter().sum::<f64>() / 144.0);
+            assert!((whole.expect("a variance") / mean - 1.0).abs() < 1e-12);
             let groups = [0..3, 3..6, 7..8, 8..12];
             let there = |row: usize| row != 4 && row != 9;
             let means = covariance_of_means(&noise, Some(&time), &groups, there).expect("a covariance");
@@ -146,11 +122,8 @@ mod tests {
                     let of = |i: &usize| second.iter().map(|j| each[i * 12 + j]).sum::<f64>();
                     let sum: f64 = first.iter().map(of).sum();
                     let expected = sum / (first.len() * second.len()) as f64;
-                    assert!(
-                        (means[a * 4 + b] - expected).abs() < 1e-12,
-                        "{a} {b}: {} {expected}",
-                        means[a * 4 + b]
-                    );
+                    let found = means[a * 4 + b];
+                    assert!((found - expected).abs() < 1e-12, "{a} {b}: {found} {expected}");
                 }
             }
         }

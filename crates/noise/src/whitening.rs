@@ -7,7 +7,7 @@ use common::Noise;
 use crate::filter::{EVEN, Filter, Gains, LANES, States};
 use crate::level::Level;
 use crate::sums::Sums;
-use crate::{NoiseError, Process, flicker};
+use crate::{NoiseError, Process, flicker, flicker_of};
 
 /// Rows that are whitened at a time.
 const ROWS: usize = 64;
@@ -69,13 +69,8 @@ impl Whitening {
         rows: usize,
         oldest_s: f64,
     ) -> Result<Self, NoiseError> {
-        let flicker = |noise: &Noise| {
-            (noise.flicker_nt2_per_hz_at_1hz.unwrap_or(0.0), noise.flicker_exponent.unwrap_or(1.0))
-        };
-        let flickers: Vec<(f64, f64)> = noises.iter().map(flicker).filter(|(size, _)| *size > 0.0).collect();
-        if let Some((_, exponent)) = flickers.iter().find(|(_, exponent)| !(0.0..=2.0).contains(exponent)) {
-            return Err(NoiseError::Exponent(*exponent));
-        }
+        let flickers: Vec<(f64, f64)> =
+            noises.iter().filter_map(|noise| flicker_of(noise).transpose()).collect::<Result<_, _>>()?;
         let squares = |of: fn(&Noise) -> Option<f64>| -> f64 {
             noises.iter().map(|noise| of(noise).unwrap_or(0.0).powi(2)).sum()
         };
@@ -91,7 +86,7 @@ impl Whitening {
         };
         let memory = walk > 0.0 || !flickers.is_empty();
         let times = time_s.filter(|time| time.len() == rows && rows > 1 && memory);
-        if let Some((mut steps, typical)) = times.map(steps).transpose()?.filter(|(_, step)| *step > 0.0) {
+        if let Some((steps, typical)) = times.map(steps).transpose()?.filter(|(_, step)| *step > 0.0) {
             let count = oldest_s / typical;
             let possible = flickers.is_empty() || (count > 0.0 && count <= MOST_STEPS);
             if !possible {
@@ -111,11 +106,6 @@ impl Whitening {
             }
             whitening.processes = processes.into();
             whitening.walk = walk;
-            for step in &mut steps {
-                if (*step - typical).abs() <= EVEN * typical {
-                    *step = typical;
-                }
-            }
             let nyquist = whitening.sampled_density(0.5 / typical, typical) / (2.0 * typical);
             whitening.white = whitening.white.max(LEAST_WHITE * nyquist);
             whitening.steps_s = steps.into();
@@ -125,18 +115,11 @@ impl Whitening {
 
     /// Of processes and white noise (variance of a reading, nT²) that are known.
     ///
-    /// # Errors
-    ///
-    /// Times out of order; no white noise.
+    /// Errors: times out of order; no white noise.
     pub fn of_processes(processes: Vec<Process>, white: f64, time_s: &[f64]) -> Result<Self, NoiseError> {
         let known = Noise { white_rms_nt: Some(white.sqrt()), ..Noise::default() };
         let mut whitening = Self::of(&known, None, time_s.len(), 0.0)?;
-        let (mut steps, typical) = steps(time_s)?;
-        for step in &mut steps {
-            if (*step - typical).abs() <= EVEN * typical {
-                *step = typical;
-            }
-        }
+        let (steps, typical) = steps(time_s)?;
         if !processes.is_empty() && typical > 0.0 {
             whitening.processes = processes.into();
             whitening.steps_s = steps.into();
@@ -451,7 +434,8 @@ impl Whitening {
     }
 }
 
-/// The steps between times in order, and the median of those that are not zero (zero where all are).
+/// The steps between times in order, and the median of those that are not zero (zero where all are): the
+/// typical one, to which those are set that count as equal to it.
 fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
     let ordered = |row: &usize| match row {
         0 => time_s[0].is_finite(),
@@ -460,10 +444,13 @@ fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
     if let Some(row) = (0..time_s.len()).find(|row| !ordered(row)) {
         return Err(NoiseError::Disorder(row));
     }
-    let steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mut positive: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
     let middle = positive.len() / 2;
     let typical =
         if positive.is_empty() { 0.0 } else { *positive.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    for step in steps.iter_mut().filter(|step| (**step - typical).abs() <= EVEN * typical) {
+        *step = typical;
+    }
     Ok((steps, typical))
 }

@@ -1,4 +1,4 @@
-//! The catalogue: every effect by name. A new effect is one type and one line here.
+//! The catalogue: every effect by name. A new effect is one type and its name here.
 
 use common::procedure;
 use nalgebra::Vector3;
@@ -41,65 +41,28 @@ macro_rules! catalogue {
     };
 }
 
-catalogue![
-    QuadraticNonlinearity,
-    CubicNonlinearity,
-    CrossField,
-    CrossFieldSensitivity,
-    OffsetTemperature,
-    OffsetTemperatureLag,
-    OffsetTemperatureInflection,
-    SensitivityTemperature,
-    SensitivityTemperatureLag,
-    AxisTemperature,
-    AxisCreep,
-    Hysteresis,
-    Perming,
-    WarmUp,
-    Ageing,
-    SensitivityAgeing,
-    Dependence,
+catalogue! {
+    // The sensors.
+    QuadraticNonlinearity, CubicNonlinearity, CrossField, CrossFieldSensitivity, OffsetTemperature,
+    OffsetTemperatureLag, OffsetTemperatureInflection, SensitivityTemperature, SensitivityTemperatureLag,
+    AxisTemperature, AxisCreep, Hysteresis, Perming, WarmUp, Ageing, SensitivityAgeing, Dependence,
     Empirical,
-    OffsetElectronicsTemperature,
-    OffsetElectronicsTemperatureLag,
-    SensitivityElectronicsTemperature,
-    SensitivityElectronicsTemperatureLag,
-    LoopBandwidth,
-    Delay,
-    Quantisation,
-    DifferentialNonlinearity,
-    Saturation,
-    Clipping,
-    ClockOffset,
-    ClockRate,
-    ReadingStep,
-    Spike,
-    Dropout,
-    CoilTemperature,
-    CoilHeating,
-    EddyCurrents,
-    HardIron,
-    SoftIron,
-    NullingLeakage,
-    NullingLeakageAcross,
-    CoilGradient,
-    OffCentre,
-    Mains,
-    TractionPower,
-    PeriodicField,
-    VehiclePass,
-    WorkingHours,
-    MeasuredTilt,
-    StrayCurrent,
-    ReactionWheel,
-    ReactionWheelHarmonic,
-    SunThermoelectric,
-    SunThermoelectricHarmonics,
-    PillarGradient,
-    InductionDifference,
-    PillarTilt,
-    PillarSettling,
-];
+    // Their electronics.
+    OffsetElectronicsTemperature, OffsetElectronicsTemperatureLag, SensitivityElectronicsTemperature,
+    SensitivityElectronicsTemperatureLag, LoopBandwidth, Delay, Quantisation, DifferentialNonlinearity,
+    Saturation, Clipping,
+    // The logger.
+    ClockOffset, ClockRate, ReadingStep, Spike, Dropout,
+    // The facility.
+    CoilTemperature, CoilHeating, EddyCurrents, HardIron, SoftIron, NullingLeakage, NullingLeakageAcross,
+    CoilGradient, OffCentre,
+    // What surrounds it.
+    Mains, TractionPower, PeriodicField, VehiclePass, WorkingHours, MeasuredTilt,
+    // The spacecraft.
+    StrayCurrent, ReactionWheel, ReactionWheelHarmonic, SunThermoelectric, SunThermoelectricHarmonics,
+    // The sites of two instruments.
+    PillarGradient, InductionDifference, PillarTilt, PillarSettling,
+}
 
 impl Kind {
     /// The effect of that name.
@@ -109,10 +72,13 @@ impl Kind {
 
     /// The same; where there is none, a sentence that lists what there is.
     pub fn known(name: &str) -> Result<Kind, String> {
-        Kind::named(name).ok_or_else(|| {
-            let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-            format!("there is no effect \"{name}\"; expected one of {}", names.join(", "))
-        })
+        let expected = || format!("there is no effect \"{name}\"; expected one of {}", Kind::names());
+        Kind::named(name).ok_or_else(expected)
+    }
+
+    /// The names of all.
+    pub(crate) fn names() -> String {
+        Kind::ALL.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(", ")
     }
 
     /// Name in documents.

@@ -3,50 +3,26 @@
 use common::Axis;
 use nalgebra::Vector3;
 
+use crate::words::words;
 use crate::{Basic, Context, Family, Real, Result};
 
-/// What an effect belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Place {
-    /// The sensors.
-    Sensor,
-    /// Their electronics.
-    Electronics,
-    /// The data logger.
-    Logger,
-    /// The coil facility.
-    Facility,
-    /// What surrounds it.
-    Environment,
-    /// The spacecraft that carries the sensors.
-    Spacecraft,
-    /// The two places of a differential recording.
-    Sites,
-}
-
-impl Place {
-    /// All places.
-    pub const ALL: [Place; 7] = [
-        Place::Sensor,
-        Place::Electronics,
-        Place::Logger,
-        Place::Facility,
-        Place::Environment,
-        Place::Spacecraft,
-        Place::Sites,
-    ];
-
-    /// The word that documents use.
-    pub fn word(self) -> &'static str {
-        match self {
-            Place::Sensor => "sensor",
-            Place::Electronics => "electronics",
-            Place::Logger => "logger",
-            Place::Facility => "facility",
-            Place::Environment => "environment",
-            Place::Spacecraft => "spacecraft",
-            Place::Sites => "sites",
-        }
+words! {
+    /// What an effect belongs to.
+    pub enum Place {
+        /// The sensors.
+        Sensor = "sensor",
+        /// Their electronics.
+        Electronics = "electronics",
+        /// The data logger.
+        Logger = "logger",
+        /// The coil facility.
+        Facility = "facility",
+        /// What surrounds it.
+        Environment = "environment",
+        /// The spacecraft that carries the sensors.
+        Spacecraft = "spacecraft",
+        /// The two places of a differential recording.
+        Sites = "sites",
     }
 }
 
@@ -124,11 +100,6 @@ impl ParameterInfo {
         Self { name, low, high, role: Role::Shape, absent: None }
     }
 
-    /// The same with another largest plausible size.
-    pub const fn up_to(self, high: f64) -> Self {
-        Self { high, ..self }
-    }
-
     /// The same, zero where a document does not give it.
     pub const fn or_zero(self) -> Self {
         Self { absent: Some(0.0), ..self }
@@ -193,6 +164,15 @@ pub struct About {
     pub needs: &'static [&'static str],
 }
 
+impl About {
+    /// What kind of effect it is, without words and parameters.
+    pub const fn of(family: Family, place: Place, stage: Stage, acts: Acts) -> Self {
+        let [name, title, physics, equation, source] = [""; 5];
+        let (parameters, needs) = (&[], &[]);
+        Self { name, title, physics, equation, source, family, place, stage, acts, parameters, needs }
+    }
+}
+
 /// What an effect sees besides the signal that it changes.
 pub struct Surroundings<'a, T: Real> {
     /// The recording.
@@ -207,6 +187,14 @@ pub struct Surroundings<'a, T: Real> {
     pub coil_nt: &'a [Vector3<T>],
     /// The field in SEN for each row, nT; empty before the chain has reached the sensor block.
     pub field_sen: &'a [Vector3<T>],
+}
+
+impl<T: Real> Surroundings<'_, T> {
+    /// The signal along the axis that is meant.
+    pub(crate) fn own<'s>(&self, signal: &'s mut [Vector3<T>]) -> impl Iterator<Item = &'s mut T> {
+        let axis = self.axis.index();
+        signal.iter_mut().map(move |value| &mut value[axis])
+    }
 }
 
 /// One piece of physics: it says what it is and adds its contribution to a signal. Simulation, fit,

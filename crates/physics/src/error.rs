@@ -6,70 +6,33 @@ pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 
 /// Why a recording cannot be predicted or corrected.
 #[derive(Debug, Error, PartialEq)]
+#[expect(missing_docs, reason = "what the fields are their messages say")]
 pub enum Error {
     /// An orientation is not a rotation.
     #[error("found {found}; expected {expected}")]
-    NotARotation {
-        /// What the matrix is.
-        found: String,
-        /// What was expected and what to do.
-        expected: String,
-    },
+    NotARotation { found: String, expected: String },
     /// An effect or the chain needs something that the recording does not hold.
     #[error("recording \"{recording}\": {who} needs {what}")]
-    Missing {
-        /// The recording.
-        recording: String,
-        /// The effect, or the part of the chain.
-        who: String,
-        /// The column or key.
-        what: String,
-    },
+    Missing { recording: String, who: String, what: String },
     /// An effect of the document is not in the catalogue, or its parameters are not as the catalogue says.
     #[error("found {found}; expected {expected}")]
-    Unknown {
-        /// Place within `model.effects`.
-        index: usize,
-        /// What stands there.
-        found: String,
-        /// What the catalogue has.
-        expected: String,
-    },
+    Unknown { index: usize, found: String, expected: String },
     /// An effect of the chain hides the field: many fields give one reading.
     #[error(
         "recording \"{recording}\": the model cannot be inverted through {effect} ({title}): many fields give the same reading"
     )]
-    Hidden {
-        /// The recording.
-        recording: String,
-        /// Its name in the catalogue.
-        effect: String,
-        /// In the field's words.
-        title: String,
-    },
+    Hidden { recording: String, effect: String, title: String },
     /// The chain has no inverse for these readings.
     #[error(
         "recording \"{recording}\": the model cannot be inverted in {}, the first of them row {first}; {effects} may hide the field that made them",
         counted(*.rows, "row")
     )]
-    NotInvertible {
-        /// The recording.
-        recording: String,
-        /// How many rows.
-        rows: usize,
-        /// The first of them, from 0.
-        first: usize,
-        /// The effects in the chain.
-        effects: String,
-    },
+    NotInvertible { recording: String, rows: usize, first: usize, effects: String },
     /// The sensors leave a component of the field unread.
     #[error(
         "recording \"{recording}\": the sensors' axes lie in one plane, and the field across it is not read; expected three directions in calibration.axes.sensors.matrix"
     )]
-    InOnePlane {
-        /// The recording.
-        recording: String,
-    },
+    InOnePlane { recording: String },
 }
 
 impl Error {

@@ -1,59 +1,33 @@
 //! Families of effects: what their forms have in common, and the recording that tells their members apart.
 
 use crate::Kind;
+use crate::words::words;
 
-/// What kind of physics an effect is, whatever its form.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Family {
-    /// The reading comes after the field: a causal response, or a clock.
-    LateResponse,
-    /// Offset, scale or axis go with something recorded, late or not.
-    FollowsColumn,
-    /// The reading is no straight line of the field at the sensor, now or earlier.
-    OwnField,
-    /// A field of the surroundings that the facility does not cancel, or adds.
-    OutsideField,
-    /// The field is not the same everywhere.
-    Position,
-    /// Fields of a frequency.
-    Lines,
-    /// What goes on with time.
-    Time,
-    /// What happens at moments.
-    Moments,
-    /// What the converter makes of a reading.
-    Codes,
+words! {
+    /// What kind of physics an effect is, whatever its form.
+    pub enum Family {
+        /// The reading comes after the field: a causal response, or a clock.
+        LateResponse = "late_response",
+        /// Offset, scale or axis go with something recorded, late or not.
+        FollowsColumn = "follows_column",
+        /// The reading is no straight line of the field at the sensor, now or earlier.
+        OwnField = "own_field",
+        /// A field of the surroundings that the facility does not cancel, or adds.
+        OutsideField = "outside_field",
+        /// The field is not the same everywhere.
+        Position = "position",
+        /// Fields of a frequency.
+        Lines = "lines",
+        /// What goes on with time.
+        Time = "time",
+        /// What happens at moments.
+        Moments = "moments",
+        /// What the converter makes of a reading.
+        Codes = "codes",
+    }
 }
 
 impl Family {
-    /// All of them.
-    pub const ALL: [Family; 9] = [
-        Family::LateResponse,
-        Family::FollowsColumn,
-        Family::OwnField,
-        Family::OutsideField,
-        Family::Position,
-        Family::Lines,
-        Family::Time,
-        Family::Moments,
-        Family::Codes,
-    ];
-
-    /// The word that documents use.
-    pub fn word(self) -> &'static str {
-        match self {
-            Family::LateResponse => "late_response",
-            Family::FollowsColumn => "follows_column",
-            Family::OwnField => "own_field",
-            Family::OutsideField => "outside_field",
-            Family::Position => "position",
-            Family::Lines => "lines",
-            Family::Time => "time",
-            Family::Moments => "moments",
-            Family::Codes => "codes",
-        }
-    }
-
     /// In words.
     pub fn title(self) -> &'static str {
         match self {

@@ -205,18 +205,23 @@ pub fn cube_rotations() -> Vec<Matrix3<f64>> {
 mod tests {
     use super::*;
 
+    const RIGHT: f64 = std::f64::consts::FRAC_PI_2;
+
+    fn angles(theta_y_rad: f64) -> Theodolite {
+        Theodolite {
+            phi_x_rad: TheodoliteAngle::Once(0.1),
+            theta_x_rad: TheodoliteAngle::Once(RIGHT),
+            phi_y_rad: TheodoliteAngle::Once(0.1),
+            theta_y_rad: TheodoliteAngle::Once(theta_y_rad),
+            nominal_rotation: None,
+            extra: Default::default(),
+        }
+    }
+
     #[test]
     fn theodolites_by_hand() {
         // NASA eq. 7 to 11 with φx = 0.1, θx = π/2, φy = 0.1, θy = π/2: a turn of 0.1 rad about down.
-        let right = std::f64::consts::FRAC_PI_2;
-        let angles = Theodolite {
-            phi_x_rad: TheodoliteAngle::Once(0.1),
-            theta_x_rad: TheodoliteAngle::Once(right),
-            phi_y_rad: TheodoliteAngle::Once(0.1),
-            theta_y_rad: TheodoliteAngle::Once(right),
-            nominal_rotation: None,
-            extra: Default::default(),
-        };
+        let angles = angles(RIGHT);
         let orientation = Orientation::from_theodolite(&angles, None, |_| None).expect("a rotation");
         let expected =
             Matrix3::new(0.1f64.cos(), 0.1f64.sin(), 0.0, -0.1f64.sin(), 0.1f64.cos(), 0.0, 0.0, 0.0, 1.0);
@@ -229,18 +234,10 @@ mod tests {
 
     #[test]
     fn repeated_readings_count_as_their_mean() {
-        let right = std::f64::consts::FRAC_PI_2;
-        let once = Theodolite {
-            phi_x_rad: TheodoliteAngle::Once(0.1),
-            theta_x_rad: TheodoliteAngle::Once(right),
-            phi_y_rad: TheodoliteAngle::Once(0.1),
-            theta_y_rad: TheodoliteAngle::Once(right + 1e-5),
-            nominal_rotation: None,
-            extra: Default::default(),
-        };
+        let once = angles(RIGHT + 1e-5);
         let several = Theodolite {
             phi_x_rad: TheodoliteAngle::Repeated(vec![0.1 - 2e-6, 0.1 + 2e-6]),
-            theta_y_rad: TheodoliteAngle::Repeated(vec![right, right + 1e-5, right + 2e-5, right + 1e-5]),
+            theta_y_rad: TheodoliteAngle::Repeated(vec![RIGHT, RIGHT + 1e-5, RIGHT + 2e-5, RIGHT + 1e-5]),
             ..once.clone()
         };
         // σ² = 3² + 4²/n: 5" for one reading.

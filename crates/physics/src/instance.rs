@@ -107,10 +107,8 @@ impl fmt::Display for EffectInstance {
 
 /// The effects that a document's model has adopted.
 ///
-/// # Errors
-///
-/// An effect that is not as the catalogue says, or that is relative to a temperature which the document does
-/// not state.
+/// Errors: an effect that is not as the catalogue says, or that is relative to a temperature which the
+/// document does not state.
 pub fn adopt(document: &Document) -> Result<Vec<EffectInstance>, Error> {
     let references = References::stated(document);
     let adopted = document.model.iter().flat_map(|model| &model.effects);
@@ -161,10 +159,9 @@ pub fn state_references(document: &mut Document, references: &References) {
 
 fn instance(index: usize, adopted: &AdoptedEffect) -> Result<EffectInstance, Error> {
     let refuse = |found: String, expected: String| Error::Unknown { index, found, expected };
-    let kind = Kind::named(&adopted.effect).ok_or_else(|| {
-        let names: Vec<&str> = Kind::ALL.iter().map(|kind| kind.name()).collect();
-        refuse(format!("the effect \"{}\"", adopted.effect), format!("one of {}", names.join(", ")))
-    })?;
+    let unknown =
+        || refuse(format!("the effect \"{}\"", adopted.effect), format!("one of {}", Kind::names()));
+    let kind = Kind::named(&adopted.effect).ok_or_else(unknown)?;
     let without = |key: &str, expected: &str| {
         refuse(format!("{} without \"{key}\"", kind.name()), format!("\"{key}\": {expected}"))
     };

@@ -1,6 +1,20 @@
-//! Numbers that carry several derivatives at once: one pass of the chain gives them all.
+//! The numbers that the forward model is written in, and those that carry several derivatives at once: one pass
+//! of the chain gives them all.
 
-use num_dual::DualSVec64;
+use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Scalar};
+use num_dual::{DualNum, DualSVec64};
+
+/// A number that may carry a derivative: `f64` for simulation, a dual number for fits. An effect is
+/// written once for any of them, so a prediction and its Jacobian cannot disagree.
+pub trait Real:
+    DualNum<Primitive = f64> + Copy + Scalar + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign
+{
+}
+
+impl<T> Real for T where
+    T: DualNum<Primitive = f64> + Copy + Scalar + ClosedAddAssign + ClosedSubAssign + ClosedMulAssign
+{
+}
 
 /// Derivatives that are carried.
 pub(crate) const LANES: usize = 8;

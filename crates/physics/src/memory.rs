@@ -9,6 +9,8 @@
 //! All of this is linear in the signal: which steps are gaps and where the drive is held depends on what was
 //! set alone.
 
+use nalgebra::Vector3;
+
 use crate::Real;
 
 /// A step longer than this many times a neighbouring one is a gap.
@@ -50,6 +52,11 @@ impl<'a, T: Real> Signal<'a, T> {
     /// the straight line between its neighbours.
     pub fn new(time_s: &'a [f64], x: Vec<T>) -> Self {
         Self { time_s, x: bridged(time_s, x), held: &[] }
+    }
+
+    /// One component of a field.
+    pub fn of(time_s: &'a [f64], field: &[Vector3<T>], component: usize) -> Self {
+        Self::new(time_s, field.iter().map(|field| field[component]).collect())
     }
 
     /// The same with slopes of zero in the rows where the drive is held, and jumps between them; see [`held`].

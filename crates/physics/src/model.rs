@@ -4,7 +4,7 @@ use common::{Axis, Calibration, Document, Quantity, SensorCalibration};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::frames;
-use crate::{Parameter, Real, Unit};
+use crate::{Real, Unit};
 
 /// B = k I + B0 along the coil's axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +22,25 @@ pub struct SensorConstants<T> {
     pub sensitivity: T,
     /// O, nT.
     pub offset_nt: T,
+}
+
+/// One parameter of the chain, to be fitted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Parameter {
+    /// k of a coil, nT/A.
+    CoilConstant(Axis),
+    /// B0 of a coil, nT.
+    CoilOffset(Axis),
+    /// Turn of a coil along one of its two tangents, rad.
+    CoilTurn(Axis, usize),
+    /// Turn of a sensor along one of its two tangents, rad.
+    SensorTurn(Axis, usize),
+    /// k of a sensor.
+    Sensitivity(Axis),
+    /// O of a sensor, nT.
+    SensorOffset(Axis),
+    /// A parameter of an effect: number of the effect, number of its parameter.
+    Effect(usize, usize),
 }
 
 /// The basic chain: coils, η, μ, sensors.

@@ -49,7 +49,16 @@ pub fn fit(design: MatRef<'_, f64>, y: &[f64], std: Option<&[f64]>) -> Result<Li
         left
     };
     let solve = |right: &[f64]| {
-        decomposed.solve(&right.iter().enumerate().map(|(i, r)| r * weight(i)).collect::<Vec<_>>())
+        let right: Vec<f64> = right.iter().enumerate().map(|(i, r)| r * weight(i)).collect();
+        let inverse = match &decomposed {
+            Decomposed::Products(inverse) => inverse,
+            Decomposed::Singular(svd) => return svd.solve(&right),
+        };
+        let times = |matrix: &Mat<f64>, right: &[f64]| -> Vec<f64> {
+            let of = |j: usize| matrix.col_as_slice(j).iter().zip(right).map(|(a, b)| a * b).sum();
+            (0..unknowns).map(of).collect()
+        };
+        times(inverse, &times(&weighted, &right))
     };
     let mut coefficients = solve(y);
     let correction = solve(&residuals(&coefficients));
@@ -57,10 +66,13 @@ pub fn fit(design: MatRef<'_, f64>, y: &[f64], std: Option<&[f64]>) -> Result<Li
     let residuals = residuals(&coefficients);
     let standardised: Vec<f64> = residuals.iter().enumerate().map(|(i, r)| r * weight(i)).collect();
     let sum_of_squares = standardised.iter().map(|r| r * r).sum();
-    let rank = decomposed.rank();
+    let (rank, covariance) = match decomposed {
+        Decomposed::Products(inverse) => (unknowns, inverse),
+        Decomposed::Singular(svd) => (svd.rank(), svd.covariance()),
+    };
     Ok(LinearFit {
         coefficients,
-        covariance: decomposed.into_covariance(),
+        covariance,
         residuals,
         standardised,
         sum_of_squares,
@@ -70,14 +82,14 @@ pub fn fit(design: MatRef<'_, f64>, y: &[f64], std: Option<&[f64]>) -> Result<Li
 }
 
 /// What solves a linear problem with a matrix A.
-enum Decomposed<'a> {
-    /// A with (AᵀA)⁻¹.
-    Products(&'a Mat<f64>, Mat<f64>),
+enum Decomposed {
+    /// (AᵀA)⁻¹.
+    Products(Mat<f64>),
     Singular(Svd),
 }
 
-impl<'a> Decomposed<'a> {
-    fn of(matrix: &'a Mat<f64>) -> Result<Self, Error> {
+impl Decomposed {
+    fn of(matrix: &Mat<f64>) -> Result<Self, Error> {
         let products = matrix.transpose() * matrix;
         // An element of the diagonal of (AᵀA)⁻¹ AᵀA is the variance inflation factor 1/(1 − R²) of a column
         // on the others.
@@ -85,36 +97,8 @@ impl<'a> Decomposed<'a> {
             (0..matrix.ncols()).all(|j| inverse[(j, j)] * products[(j, j)] <= MOST_INFLATION)
         };
         match Positive::of(&products) {
-            Ok(positive) if apart(&positive.inverse) => Ok(Self::Products(matrix, positive.inverse)),
+            Ok(positive) if apart(&positive.inverse) => Ok(Self::Products(positive.inverse)),
             _ => Ok(Self::Singular(Svd::of(matrix.as_ref(), RANK_TOLERANCE)?)),
-        }
-    }
-
-    fn solve(&self, right: &[f64]) -> Vec<f64> {
-        match self {
-            Self::Products(matrix, inverse) => {
-                let along: Vec<f64> = (0..matrix.ncols())
-                    .map(|j| matrix.col_as_slice(j).iter().zip(right).map(|(a, b)| a * b).sum())
-                    .collect();
-                (0..matrix.ncols())
-                    .map(|i| inverse.col_as_slice(i).iter().zip(&along).map(|(a, b)| a * b).sum())
-                    .collect()
-            }
-            Self::Singular(svd) => svd.solve(right),
-        }
-    }
-
-    fn rank(&self) -> usize {
-        match self {
-            Self::Products(matrix, _) => matrix.ncols(),
-            Self::Singular(svd) => svd.rank(),
-        }
-    }
-
-    fn into_covariance(self) -> Mat<f64> {
-        match self {
-            Self::Products(_, inverse) => inverse,
-            Self::Singular(svd) => svd.covariance(),
         }
     }
 }

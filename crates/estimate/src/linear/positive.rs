@@ -37,9 +37,7 @@ pub struct Positive {
 impl Positive {
     /// Decomposes a symmetric matrix.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] unless it is positive definite.
+    /// Errors: [`Error::Decomposition`] unless it is positive definite.
     pub fn of(matrix: &Mat<f64>) -> Result<Self, Error> {
         let n = matrix.nrows();
         let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].sqrt()).collect();

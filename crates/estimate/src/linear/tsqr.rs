@@ -124,10 +124,8 @@ impl Tsqr {
     /// Least squares of each response by the predictors and a constant: the factor of those columns alone, by
     /// which U_xx β = U_xy and Σ r² = |U_yy|².
     ///
-    /// # Errors
-    ///
-    /// [`Error::TooFew`] without more rows than unknowns, [`Error::Decomposition`] where the predictors
-    /// depend on each other.
+    /// Errors: [`Error::TooFew`] without more rows than unknowns, [`Error::Decomposition`] where the
+    /// predictors depend on each other.
     pub fn regress(&self, predictors: &[usize], responses: &[usize]) -> Result<Regression, Error> {
         let (width, known) = (self.sums.len(), predictors.len());
         if self.count <= known as u64 + 1 {
@@ -162,45 +160,6 @@ impl Tsqr {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linear;
-
-    fn columns(rows: usize) -> Vec<Vec<f64>> {
-        let wave = |a: f64, b: f64| -> Vec<f64> {
-            (0..rows).map(|i| 5e4 + 20.0 * (a * i as f64 + b).sin()).collect()
-        };
-        let (x, z) = (wave(0.013, 0.3), wave(0.0071, 1.0));
-        let y: Vec<f64> =
-            (0..rows).map(|i| 7.0 + 0.9 * x[i] - 0.2 * z[i] + 0.01 * ((i * 37 % 11) as f64 - 5.0)).collect();
-        vec![x, y, z]
-    }
-
-    #[test]
-    fn pieces_in_any_order_and_all_at_once() {
-        let all = columns(5000);
-        let factor = |from: usize, to: usize| {
-            let mut factor = Tsqr::new(3);
-            (from..to).step_by(256).for_each(|at| {
-                let end = (at + 256).min(to);
-                factor.push(&all.iter().map(|c| &c[at..end]).collect::<Vec<_>>());
-            });
-            factor
-        };
-        let whole = factor(0, 5000).regress(&[0, 2], &[1]).expect("a fit");
-        let mut merged = factor(3001, 5000);
-        merged.merge(&factor(0, 17));
-        merged.merge(&factor(17, 3001));
-        let merged = merged.regress(&[0, 2], &[1]).expect("a fit");
-        let design = Mat::from_fn(5000, 3, |i, j| [1.0, all[0][i], all[2][i]][j]);
-        let plain = linear::fit(design.as_ref(), &all[1], None).expect("a fit");
-        for k in 0..2 {
-            assert!((whole.coefficients[0][k] - merged.coefficients[0][k]).abs() < 1e-14);
-            assert!((whole.coefficients[0][k] - plain.coefficients[k + 1]).abs() < 1e-11);
-            assert!((whole.inverse[(k, k)] / plain.covariance[(k + 1, k + 1)] - 1.0).abs() < 1e-7);
-        }
-        assert!((whole.squares[0] / merged.squares[0] - 1.0).abs() < 1e-12);
-        assert!((whole.squares[0] / plain.sum_of_squares - 1.0).abs() < 1e-8);
-        assert_eq!(whole.freedom, 4997.0);
-    }
 
     #[test]
     fn what_cannot_be_solved_is_told() {

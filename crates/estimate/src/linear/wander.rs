@@ -5,7 +5,7 @@ use faer::{Mat, MatRef};
 use crate::correlated::log_determinant;
 use crate::mixture::Component;
 use crate::positive::eigen;
-use crate::{Error, linear};
+use crate::{Error, linear, linear::LinearFit};
 
 /// y = X β + e + w: the own errors e have the covariance s D, D diagonal and s not below one; the wander w
 /// has q K, where K over D has the mean one.
@@ -47,9 +47,7 @@ impl Wander {
 
     /// The fit for one s and q, weighed by its restricted likelihood, −½ (ln|V| + ln|Xᵀ V⁻¹ X| + r' V⁻¹ r).
     pub fn fit(&self, own: f64, wander: f64) -> Result<Component, Error> {
-        let variances = self.variances(own, wander);
-        let std: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
-        let fit = linear::fit(self.design.as_ref(), &self.y, Some(&std))?;
+        let (variances, fit) = self.weighted(own, wander)?;
         let logarithm: f64 = variances.iter().map(|variance| variance.ln()).sum();
         Ok(Component {
             log_weight: -0.5 * (logarithm - log_determinant(&fit.covariance) + fit.sum_of_squares),
@@ -62,9 +60,7 @@ impl Wander {
     /// restricted likelihood, √tr (P K)², P = V⁻¹ − V⁻¹ X (Xᵀ V⁻¹ X)⁻¹ Xᵀ V⁻¹ (Berger, De Oliveira and Sansó
     /// 2001, J. Am. Stat. Assoc. 96, 1361).
     pub fn reference_prior(&self, wander: f64) -> Result<f64, Error> {
-        let variances = self.variances(1.0, wander);
-        let std: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
-        let covariance = linear::fit(self.design.as_ref(), &self.y, Some(&std))?.covariance;
+        let (variances, LinearFit { covariance, .. }) = self.weighted(1.0, wander)?;
         let unknowns = self.design.ncols();
         let share: Vec<f64> = self.eigenvalues.iter().zip(&variances).map(|(l, v)| l / v).collect();
         // Xᵀ V⁻¹ (K V⁻¹)^power X.
@@ -84,8 +80,11 @@ impl Wander {
         Ok(seen.max(0.0).sqrt())
     }
 
-    fn variances(&self, own: f64, wander: f64) -> Vec<f64> {
-        self.eigenvalues.iter().map(|value| own + wander * value).collect()
+    /// The variances of the turned values, and the fit that they weigh.
+    fn weighted(&self, own: f64, wander: f64) -> Result<(Vec<f64>, LinearFit), Error> {
+        let variances: Vec<f64> = self.eigenvalues.iter().map(|value| own + wander * value).collect();
+        let std: Vec<f64> = variances.iter().map(|variance| variance.sqrt()).collect();
+        Ok((variances, linear::fit(self.design.as_ref(), &self.y, Some(&std))?))
     }
 }
 

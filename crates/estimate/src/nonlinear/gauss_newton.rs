@@ -13,45 +13,55 @@ pub use directions::Directions;
 
 #[cfg(test)]
 mod tests {
-    use faer::MatMut;
+    use faer::{Mat, MatMut};
 
     use super::*;
     use crate::Error;
 
-    /// NIST StRD Misra1a: y = b1 (1 − e^(−b2 x)), lower difficulty; certified to 11 digits.
-    struct Misra1a;
+    /// A set of the NIST StRD: y against x by a model, which gives a prediction and its derivatives.
+    struct Nist<const N: usize> {
+        y: &'static [f64],
+        model: fn(&[f64; N], usize) -> (f64, [f64; N]),
+    }
 
-    const X: [f64; 14] =
-        [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0];
-    const Y: [f64; 14] =
-        [10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78];
-
-    impl Problem for Misra1a {
-        type State = [f64; 2];
+    impl<const N: usize> Problem for Nist<N> {
+        type State = [f64; N];
         fn unknowns(&self) -> usize {
-            2
+            N
         }
         fn rows(&self) -> usize {
-            X.len()
+            self.y.len()
         }
-        fn linearise(&self, b: &[f64; 2], residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
-            for i in 0..X.len() {
-                let decay = (-b[1] * X[i]).exp();
-                residual[i] = Y[i] - b[0] * (1.0 - decay);
-                jacobian[(i, 0)] = 1.0 - decay;
-                jacobian[(i, 1)] = b[0] * X[i] * decay;
+        fn linearise(&self, b: &[f64; N], residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
+            for (i, y) in self.y.iter().enumerate() {
+                let (predicted, slopes) = (self.model)(b, i);
+                residual[i] = y - predicted;
+                slopes.into_iter().enumerate().for_each(|(j, slope)| jacobian[(i, j)] = slope);
             }
         }
-        fn advance(&self, b: &[f64; 2], step: &[f64]) -> [f64; 2] {
-            [b[0] + step[0], b[1] + step[1]]
+        fn advance(&self, b: &[f64; N], step: &[f64]) -> [f64; N] {
+            std::array::from_fn(|i| b[i] + step[i])
         }
     }
 
     #[test]
     fn nist_misra1a_from_both_starts() {
+        // y = b1 (1 − e^(−b2 x)), lower difficulty; certified to 11 digits.
+        const X: [f64; 14] =
+            [77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0];
+        let misra1a: Nist<2> = Nist {
+            y: &[
+                10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47,
+                81.78,
+            ],
+            model: |b, i| {
+                let decay = (-b[1] * X[i]).exp();
+                (b[0] * (1.0 - decay), [1.0 - decay, b[0] * X[i] * decay])
+            },
+        };
         for start in [[500.0, 1e-4], [250.0, 5e-4]] {
             let options = Options { tolerance: 1e-9, ..Options::default() };
-            let fit = solve(&Misra1a, start, None, &options).expect("a minimum");
+            let fit = solve(&misra1a, start, None, &options).expect("a minimum");
             assert!((fit.state[0] / 2.389_421_291_8e2 - 1.0).abs() < 1e-9, "{:?}", fit.state);
             assert!((fit.state[1] / 5.501_564_318_1e-4 - 1.0).abs() < 1e-9);
             assert!((fit.cost / 1.245_513_889_4e-1 - 1.0).abs() < 1e-9);
@@ -62,38 +72,17 @@ mod tests {
     }
 
     /// NIST StRD MGH10: y = b1 e^(b2/(x + b3)), higher difficulty; whole steps overflow.
-    struct Mgh10;
-
-    const RESISTANCE: [f64; 16] = [
-        34780.0, 28610.0, 23650.0, 19630.0, 16370.0, 13720.0, 11540.0, 9744.0, 8261.0, 7030.0, 6005.0,
-        5147.0, 4427.0, 3820.0, 3307.0, 2872.0,
-    ];
-
-    impl Problem for Mgh10 {
-        type State = [f64; 3];
-        fn unknowns(&self) -> usize {
-            3
-        }
-        fn rows(&self) -> usize {
-            RESISTANCE.len()
-        }
-        fn linearise(&self, b: &[f64; 3], residual: &mut [f64], mut jacobian: MatMut<'_, f64>) {
-            for (i, y) in RESISTANCE.iter().enumerate() {
-                let place = 50.0 + 5.0 * i as f64 + b[2];
-                let rise = (b[1] / place).exp();
-                residual[i] = y - b[0] * rise;
-                jacobian[(i, 0)] = rise;
-                jacobian[(i, 1)] = b[0] * rise / place;
-                jacobian[(i, 2)] = -b[0] * rise * b[1] / (place * place);
-            }
-        }
-        fn advance(&self, b: &[f64; 3], step: &[f64]) -> [f64; 3] {
-            std::array::from_fn(|i| b[i] + step[i])
-        }
-    }
-
-    const NEARER: [f64; 3] = [0.02, 4000.0, 250.0];
-    const MGH10: [f64; 3] = [5.609_636_471_0e-3, 6.181_346_346_3e3, 3.452_236_346_2e2];
+    const MGH10: Nist<3> = Nist {
+        y: &[
+            34780.0, 28610.0, 23650.0, 19630.0, 16370.0, 13720.0, 11540.0, 9744.0, 8261.0, 7030.0, 6005.0,
+            5147.0, 4427.0, 3820.0, 3307.0, 2872.0,
+        ],
+        model: |b, i| {
+            let place = 50.0 + 5.0 * i as f64 + b[2];
+            let rise = (b[1] / place).exp();
+            (b[0] * rise, [rise, b[0] * rise / place, -b[0] * rise * b[1] / (place * place)])
+        },
+    };
 
     /// MGH10 with steps by products, the derivatives by b1 kept from step to step.
     struct Kept;
@@ -105,27 +94,28 @@ mod tests {
 
     impl Descent for Kept {
         type Point = At;
-        type Linear = Directions<faer::Mat<f64>>;
+        type Linear = Directions<Mat<f64>>;
         type Error = Error;
         fn cost(&self, at: &At) -> f64 {
             at.residual.iter().map(|r| r * r).sum()
         }
         fn linear(&self, at: &At, kept: Option<&Self::Linear>) -> Result<Self::Linear, Error> {
-            let (_, mut jacobian) = linearised(&Mgh10, &at.b);
+            let (_, mut jacobian) = linearised(&MGH10, &at.b);
             if let Some(kept) = kept {
                 jacobian.col_as_slice_mut(0).copy_from_slice(kept.of.col_as_slice(0));
             }
             Directions::of_products(jacobian, &at.residual)
         }
         fn moved(&self, at: &At, step: &[f64]) -> Result<At, Error> {
-            let b = Mgh10.advance(&at.b, step);
-            Ok(At { b, residual: linearised(&Mgh10, &b).0 })
+            let b = MGH10.advance(&at.b, step);
+            Ok(At { b, residual: linearised(&MGH10, &b).0 })
         }
     }
 
     #[test]
     fn derivatives_that_are_kept_lead_to_the_same_minimum() {
-        let start = At { b: NEARER, residual: linearised(&Mgh10, &NEARER).0 };
+        let nearer = [0.02, 4000.0, 250.0];
+        let start = At { b: nearer, residual: linearised(&MGH10, &nearer).0 };
         let control = Control {
             most: 1000,
             tolerance: 1e-6,
@@ -137,11 +127,12 @@ mod tests {
         };
         let found = minimise(&Kept, start, None, &control).expect("a descent");
         assert!(found.settled && found.steps.len() < 500);
-        for (found, certified) in found.at.b.iter().zip(MGH10) {
+        let certified = [5.609_636_471_0e-3, 6.181_346_346_3e3, 3.452_236_346_2e2];
+        for (found, certified) in found.at.b.iter().zip(certified) {
             assert!((found / certified - 1.0).abs() < 1e-6, "{found}");
         }
         // The derivatives by b1 are new.
-        let (_, jacobian) = linearised(&Mgh10, &found.at.b);
+        let (_, jacobian) = linearised(&MGH10, &found.at.b);
         for (new, found) in jacobian.col_as_slice(0).iter().zip(found.linear.of.col_as_slice(0)) {
             assert!((found / new - 1.0).abs() < 1e-6, "{found} for {new}");
         }

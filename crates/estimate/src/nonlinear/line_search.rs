@@ -78,9 +78,7 @@ const MOST: usize = 200;
 /// secant of the ends, an end that stays twice counting half (the Illinois method: M. Dowell and P. Jarratt,
 /// BIT 11 (1971) 168).
 ///
-/// # Errors
-///
-/// Those of the function.
+/// Errors: those of the function.
 pub fn zero<E>(
     (mut low, mut below): (f64, f64),
     (mut high, mut above): (f64, f64),

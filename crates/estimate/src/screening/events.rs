@@ -126,19 +126,15 @@ impl Search {
     /// The filter of a series with noise of the one-sided density `density` (square of the series' unit, per
     /// Hz).
     ///
-    /// # Errors
-    ///
-    /// [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not finite or a
-    /// density that is not above zero.
+    /// Errors: [`Error::TooFew`] for fewer than 16 samples, [`Error::Series`] for samples that are not
+    /// finite or a density that is not above zero.
     pub fn new(series: &[f64], step_s: f64, density: &dyn Fn(f64) -> f64) -> Result<Self, Error> {
         Self::with(Arc::new(Filter::new(series.len(), step_s, density)?), series)
     }
 
     /// The same filter for another series.
     ///
-    /// # Errors
-    ///
-    /// As [`Search::new`].
+    /// Errors: as [`Search::new`].
     pub fn again(&self, series: &[f64]) -> Result<Self, Error> {
         Self::with(self.filter.clone(), series)
     }
@@ -195,9 +191,7 @@ impl Search {
 ///
 /// Source: B. Abraham, Missing observations in time series, Commun. Stat. A 10 (1981) 1643–1653.
 ///
-/// # Errors
-///
-/// As [`Search::new`].
+/// Errors: as [`Search::new`].
 pub fn fill(
     series: &[f64],
     missing: &[bool],

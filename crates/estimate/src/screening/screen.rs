@@ -5,7 +5,6 @@
 //! distribution by chance and prediction of rows left out follow from them.
 
 mod chance;
-mod held_out;
 mod products;
 mod projection;
 

@@ -203,14 +203,12 @@ impl Phases {
             }
             candidates.retain(|row| row.abs_diff(best) >= PERSISTS);
         }
-        let found = bounds[1..bounds.len() - 1].iter();
-        found.map(|row| (*row, self.between(*row, &bounds))).map(|(row, of)| (row, of.by, of.std)).collect()
-    }
-
-    /// The comparison at a row that may itself be a bound.
-    fn between(&self, row: usize, bounds: &[usize]) -> Compared {
-        let others: Vec<usize> = bounds.iter().copied().filter(|bound| *bound != row).collect();
-        self.at(row, &others)
+        let between = |row: &usize| {
+            let others: Vec<usize> = bounds.iter().copied().filter(|bound| bound != row).collect();
+            let of = self.at(*row, &others);
+            (*row, of.by, of.std)
+        };
+        bounds[1..bounds.len() - 1].iter().map(between).collect()
     }
 
     /// Rows before against rows from here on, as far as the next bounds.

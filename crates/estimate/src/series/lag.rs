@@ -27,10 +27,8 @@ const DEPENDENT: f64 = 1e-12;
 /// Source: C. H. Knapp and G. C. Carter, The generalized correlation method for estimation of time delay,
 /// IEEE Trans. ASSP 24 (1976) 320–327.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] for fewer samples than twice the reach, [`Error::Decomposition`] where the columns
-/// depend on each other.
+/// Errors: [`Error::TooFew`] for fewer samples than twice the reach, [`Error::Decomposition`] where the
+/// columns depend on each other.
 pub fn explained(
     columns: &[Vec<f64>],
     y: &[f64],

@@ -41,9 +41,7 @@ pub struct AllanPoint {
 /// Source: W. J. Riley, Handbook of Frequency Stability Analysis, NIST Special Publication 1065 (2008), Table
 /// 5; the samples stand for fractional frequency, their sums for phase.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] for fewer than 4 samples.
+/// Errors: [`Error::TooFew`] for fewer than 4 samples.
 pub fn overlapping(
     samples: &[f64],
     step_s: f64,
@@ -67,9 +65,7 @@ pub fn overlapping(
 /// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ) is
 /// above the white one, the greatest of those that were fitted, else white.
 ///
-/// # Errors
-///
-/// As [`overlapping`].
+/// Errors: as [`overlapping`].
 pub fn of_noise(samples: &[f64], step_s: f64, noise: &WhittleFit) -> Result<Vec<AllanPoint>, Error> {
     let rms = noise.white_rms.iter().map(|white| white.value).fold(0.0, f64::max);
     let white = 2.0 * rms.powi(2) * step_s;

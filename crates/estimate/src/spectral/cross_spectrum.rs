@@ -40,10 +40,8 @@ impl CrossSpectra {
     /// Sources: K. S. Riedel and A. Sidorenko, Minimum bias multiple taper spectral estimation, IEEE Trans.
     /// Signal Process. 43 (1995) 188–195; P. D. Welch, IEEE Trans. Audio Electroacoust. AU-15 (1967) 70–73.
     ///
-    /// # Errors
-    ///
-    /// [`Error::TooFew`] for fewer than 8 samples in a segment, and without a taper; [`Error::Series`] for
-    /// series of different lengths or with samples that are not finite.
+    /// Errors: [`Error::TooFew`] for fewer than 8 samples in a segment, and without a taper;
+    /// [`Error::Series`] for series of different lengths or with samples that are not finite.
     pub fn of(
         channels: &[&[f64]],
         step_s: f64,
@@ -81,9 +79,7 @@ impl CrossSpectra {
     /// The ordinates of a Gaussian series whose density changes little over 1/(N Δt) are independent, so that
     /// each bin has two degrees of freedom for each.
     ///
-    /// # Errors
-    ///
-    /// As [`CrossSpectra::of`].
+    /// Errors: as [`CrossSpectra::of`].
     pub fn of_whole(channels: &[&[f64]], step_s: f64, widest: f64) -> Result<Self, Error> {
         let n = rows(channels)?;
         if n < LEAST_SAMPLES {

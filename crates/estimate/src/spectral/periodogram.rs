@@ -72,10 +72,8 @@ pub struct Bin {
 /// Sources: M. B. Priestley, Spectral Analysis and Time Series, Academic Press 1981, section 6.1; N. Ahmed,
 /// T. Natarajan and K. R. Rao, Discrete cosine transform, IEEE Trans. Comput. C-23 (1974) 90–93.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] for fewer than 8 samples, [`Error::Series`] for samples that are not finite and for a
-/// step that is not above zero.
+/// Errors: [`Error::TooFew`] for fewer than 8 samples, [`Error::Series`] for samples that are not finite
+/// and for a step that is not above zero.
 pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     if samples.len() < LEAST_SAMPLES {
         return Err(Error::TooFew { found: samples.len(), unknowns: LEAST_SAMPLES });
@@ -97,8 +95,7 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     let length_s = n as f64 * step_s;
     // Lines are sought at k = 0 … below n/2.
     let nyquist = transform.split_off(n.div_ceil(2));
-    let (lines, rest) = lines::take_out(transform, n, length_s);
-    let lines::Rest { transform, left_out } = rest;
+    let (lines, left_out) = lines::take_out(&mut transform, n, length_s);
     let coefficients = if lines.is_empty() {
         drop((transform, nyquist));
         fourier::cosine(&samples[..n], mean)

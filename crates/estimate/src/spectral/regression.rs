@@ -54,10 +54,8 @@ pub struct Weights(Vec<f64>);
 /// Source: E. J. Hannan, Regression for time series, in Time Series Analysis (M. Rosenblatt, ed.), Wiley
 /// 1963.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] for fewer samples than twice the columns; [`Error::Decomposition`] where the columns
-/// depend on each other.
+/// Errors: [`Error::TooFew`] for fewer samples than twice the columns; [`Error::Decomposition`] where the
+/// columns depend on each other.
 pub fn regress(
     columns: &[Vec<f64>],
     y: &[f64],
@@ -95,9 +93,7 @@ impl Transformer {
 
     /// The same as [`regress`] of columns and y that are transforms.
     ///
-    /// # Errors
-    ///
-    /// As [`regress`].
+    /// Errors: as [`regress`].
     pub fn regress(
         &self,
         columns: &[&Transform],
@@ -131,9 +127,7 @@ impl Transformer {
 
     /// The weighted fit alone.
     ///
-    /// # Errors
-    ///
-    /// As [`regress`].
+    /// Errors: as [`regress`].
     pub fn weighted(
         &self,
         columns: &[&Transform],
@@ -207,9 +201,7 @@ fn solved(inverse: &Mat<f64>, products: &Mat<f64>) -> Vec<f64> {
 ///
 /// Source: J. A. Hausman, Specification tests in econometrics, Econometrica 46 (1978) 1251–1271.
 ///
-/// # Errors
-///
-/// [`Error::Decomposition`] for a covariance that is none.
+/// Errors: [`Error::Decomposition`] for a covariance that is none.
 pub fn agreement_p(plain: (&[f64], &Mat<f64>), weighted: (&[f64], &Mat<f64>)) -> Result<f64, Error> {
     let count = plain.0.len();
     let [alone, less] = [plain.1, weighted.1].map(|of| of.submatrix(0, 0, count, count).to_owned());
@@ -217,35 +209,4 @@ pub fn agreement_p(plain: (&[f64], &Mat<f64>), weighted: (&[f64], &Mat<f64>)) ->
     let apart = ColRef::from_slice(plain.0) - ColRef::from_slice(weighted.0);
     let distance = apart.transpose() * inverse * &apart;
     Ok(chi_squared_p(distance.max(0.0), count as f64))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::linear;
-
-    #[test]
-    fn white_errors_give_least_squares() {
-        let rows = 97;
-        let x: Vec<Vec<f64>> = vec![
-            (0..rows).map(|i| 20_000.0 + (0.13 * f64::from(i)).sin() * 30.0).collect(),
-            (0..rows).map(|i| 50_000.0 + (0.031 * f64::from(i * i % 71)).cos() * 20.0).collect(),
-        ];
-        let y: Vec<f64> = (0..rows as usize)
-            .map(|i| 7.0 + 0.9 * x[0][i] - 0.2 * x[1][i] + 0.01 * f64::from((i as i32 * 37) % 11))
-            .collect();
-        let fit = regress(&x, &y, 1.0, &|_| 2.0 * 0.25).expect("a fit");
-        let design = Mat::from_fn(rows as usize, 3, |i, j| if j == 0 { 1.0 } else { x[j - 1][i] });
-        let plain = linear::fit(design.as_ref(), &y, None).expect("a fit");
-        for k in 0..2 {
-            assert!((fit.least_squares[k] - plain.coefficients[k + 1]).abs() < 1e-9);
-            assert!((fit.weighted[k] - plain.coefficients[k + 1]).abs() < 1e-9);
-            let variance = plain.covariance[(k + 1, k + 1)];
-            assert!((fit.independent[(k, k)] / variance - 1.0).abs() < 1e-6);
-            // P = 2 σ² Δt with σ = 0.5.
-            assert!((fit.covariance[(k, k)] / (0.25 * variance) - 1.0).abs() < 1e-6);
-            assert!((fit.weighted_covariance[(k, k)] / (0.25 * variance) - 1.0).abs() < 1e-6);
-        }
-        assert!(regress(&[vec![1.0; 97]], &y, 1.0, &|_| 1.0).is_err());
-    }
 }

@@ -139,9 +139,7 @@ pub struct Basis {
 impl Basis {
     /// For times without gaps and a frequency.
     ///
-    /// # Errors
-    ///
-    /// [`Error::TooFew`] where no sine is determined.
+    /// Errors: [`Error::TooFew`] where no sine is determined.
     pub fn new(time: &[f64], hz: f64) -> Result<Self, Error> {
         let n = time.len();
         let omega = std::f64::consts::TAU * hz;

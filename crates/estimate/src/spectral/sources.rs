@@ -9,9 +9,8 @@ use crate::stats::chi_squared_p;
 use crate::whittle::Estimate;
 
 mod likelihood;
-mod mixture;
 
-pub use mixture::{KnownNoise, Mixture};
+pub use likelihood::{KnownNoise, Mixture};
 
 use likelihood::Model;
 
@@ -71,9 +70,7 @@ pub struct Sources {
 /// oscillator, Proc. 28th Freq. Control Symp. (1974) 243–246; N. R. Goodman, Statistical analysis based on a
 /// certain multivariate complex Gaussian distribution, Ann. Math. Stat. 34 (1963) 152–177.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] for fewer ordinates than unknowns, [`Error::NotConverged`] without a maximum,
+/// Errors: [`Error::TooFew`] for fewer ordinates than unknowns, [`Error::NotConverged`] without a maximum,
 /// [`Error::Decomposition`] for matrices that are not positive definite.
 pub fn fit(mixture: &Mixture<'_>) -> Result<Sources, Error> {
     let count = mixture.columns.len();

@@ -10,13 +10,12 @@ mod goodness;
 mod likelihood;
 mod report;
 mod search;
-mod white;
 
 pub use estimate::Estimate;
 pub use goodness::Group;
+pub use likelihood::White;
 pub(crate) use likelihood::{EXPONENTS, LONGEST};
 pub use report::WhittleFit;
-pub use white::White;
 
 use likelihood::{Data, Model};
 use report::report;
@@ -44,10 +43,8 @@ const RESTRICTED: f64 = 0.01;
 ///
 /// Source: P. Whittle, Estimation and information in stationary time series, Ark. Mat. 2 (1953) 423–434.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] without more ordinates than unknowns, [`Error::Series`] for ordinates that are not
-/// finite or a series that does not vary, [`Error::NotConverged`] without a maximum.
+/// Errors: [`Error::TooFew`] without more ordinates than unknowns, [`Error::Series`] for ordinates that
+/// are not finite or a series that does not vary, [`Error::NotConverged`] without a maximum.
 pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
     // Of one series the three forms are the same.
     if let [_] = series {
@@ -71,9 +68,7 @@ pub fn fit(series: &[Periodogram]) -> Result<WhittleFit, Error> {
 
 /// The same with the form of the white noise as told.
 ///
-/// # Errors
-///
-/// As [`fit`].
+/// Errors: as [`fit`].
 pub fn fit_with(series: &[Periodogram], white: White) -> Result<WhittleFit, Error> {
     let data = Data::of(series)?;
     let model = Model::new(&data, white);

@@ -34,10 +34,9 @@ fn covers(exponent: f64, series: impl Fn(&mut Stream) -> Vec<f64>, variance: imp
         }
     }
     for (m, share, ratio) in found {
-        println!("exponent {exponent}, m = {m}: {share:.4} covered, variance {ratio:.4} of the true one");
         // The share is known to 0.005.
-        assert!((0.93..=0.97).contains(&share), "m = {m}: {share}");
-        assert!((ratio - 1.0).abs() < 0.02, "m = {m}: {ratio} of the true variance");
+        assert!((0.93..=0.97).contains(&share), "exponent {exponent}, m = {m}: {share}");
+        assert!((ratio - 1.0).abs() < 0.02, "exponent {exponent}, m = {m}: {ratio} of the true variance");
     }
 }
 
@@ -135,23 +134,8 @@ fn a_large_constant_takes_no_digits() {
     let lifted: Vec<f64> = noise.iter().map(|x| x + 50_000.0).collect();
     for m in [1, 64, 4096, 50_000] {
         let (alone, lifted) = (deviation(&noise, m).expect("one"), deviation(&lifted, m).expect("one"));
-        println!("m = {m}: {:.1e} off", lifted / alone - 1.0);
         assert!((lifted / alone - 1.0).abs() < 1e-11, "m = {m}: {alone}, {lifted}");
     }
-}
-
-#[test]
-fn drift_and_steps_that_cancel() {
-    // A drift of 0.3 per sample: neighbouring averages of m samples differ by 0.3 m.
-    let ramp: Vec<f64> = (0..1000).map(|i| 7.0 + 0.3 * f64::from(i)).collect();
-    for m in [1, 3, 128, 500] {
-        let expected = 0.3 * m as f64 / 2.0_f64.sqrt();
-        assert!((deviation(&ramp, m).expect("a deviation") / expected - 1.0).abs() < 1e-12, "m = {m}");
-    }
-    // A sine of period m is averaged away.
-    let sine: Vec<f64> = (0..1000).map(|i| (std::f64::consts::TAU * f64::from(i) / 20.0).sin()).collect();
-    assert!(deviation(&sine, 20).expect("a deviation") < 1e-14);
-    assert!(deviation(&sine, 10).expect("a deviation") > 0.5);
 }
 
 #[test]

@@ -30,7 +30,6 @@ fn variances_of_slow_columns() {
     let reference = &reference("diffmag_drift")["slow"];
     let rows = number(&reference["rows"]) as usize;
     let cosine = Cosine::new(rows, 1.0);
-    let (mut line, mut exponential) = (Vec::new(), Vec::new());
     for case in list(&reference["cases"]) {
         let noise = noise(number(&case["exponent"]), number(&case["white"]));
         let errors = Errors::of(&noise, &cosine).expect("errors");
@@ -41,17 +40,11 @@ fn variances_of_slow_columns() {
             cosine.transform(&(0..rows).map(|row| (-time(row) / tau).exp()).collect::<Vec<_>>()),
         ];
         let found = weighted(&[&columns[0], &columns[1]], &columns[0], &errors).expect("a fit");
-        println!("{case}: {} {}", found.covariance[(0, 0)], found.covariance[(1, 1)]);
-        line.push(found.covariance[(0, 0)] / number(&case["variance"][0]));
-        exponential.push(found.covariance[(1, 1)] / number(&case["variance"][1]));
+        // Over the variance of the full covariance: never too small, and too great by what `Errors::of` says.
+        let [line, exponential] = [0, 1].map(|i| found.covariance[(i, i)] / number(&case["variance"][i]));
+        assert!(line > 0.98 && line < 1.03, "{case}: {line}");
+        assert!(exponential > 0.98 && exponential < 1.15, "{case}: {exponential}");
     }
-    let range = |ratios: &[f64]| {
-        (ratios.iter().copied().fold(f64::INFINITY, f64::min), ratios.iter().copied().fold(0.0, f64::max))
-    };
-    println!("variance over that of the full covariance: {:?}, {:?}", range(&line), range(&exponential));
-    // Never too small, and too great by what `Errors::of` says.
-    assert!(range(&line).0 > 0.98 && range(&line).1 < 1.03);
-    assert!(range(&exponential).0 > 0.98 && range(&exponential).1 < 1.15);
 }
 
 #[test]
@@ -65,7 +58,9 @@ fn independent_errors_give_least_squares() {
                 0.9 * columns[0][i as usize] - 0.2 * columns[1][i as usize] + 0.01 * f64::from((i * 37) % 11)
             })
             .collect();
-        let plain = spectral::regress(&columns, &y, 1.0, &|_| 2.0).expect("a fit");
+        // P = 2 σ² Δt with σ = 0.5.
+        let plain = spectral::regress(&columns, &y, 1.0, &|_| 2.0 * 0.25).expect("a fit");
+        assert!(spectral::regress(&[vec![1.0; y.len()]], &y, 1.0, &|_| 1.0).is_err());
         let cosine = Cosine::new(rows as usize, 1.0);
         let x = [cosine.transform(&columns[0]), cosine.transform(&columns[1])];
         let transformed = cosine.transform(&y);
@@ -74,6 +69,9 @@ fn independent_errors_give_least_squares() {
         for i in 0..2 {
             assert!((fit.least_squares[i] - plain.least_squares[i]).abs() < 1e-11);
             assert!((fit.weighted[i] - plain.least_squares[i]).abs() < 1e-11);
+            for covariance in [&plain.covariance, &plain.weighted_covariance] {
+                assert!((covariance[(i, i)] / (0.25 * plain.independent[(i, i)]) - 1.0).abs() < 1e-6);
+            }
             for covariance in [&fit.independent, &fit.covariance, &fit.weighted_covariance] {
                 assert!((covariance[(i, i)] / plain.independent[(i, i)] - 1.0).abs() < 1e-9);
             }

@@ -56,7 +56,6 @@ fn clean_series_raise_no_alarm() {
     let count = testkit::campaigns(100);
     for kind in &KINDS {
         let alarms = (0..count).filter(|seed| alarm(&filter(&kind.series(*seed)))).count();
-        println!("{}: {alarms} of {count} clean series with an alarm", kind.name);
         assert!(alarms as f64 <= 0.02 * count as f64, "{}: {alarms} of {count}", kind.name);
     }
 }
@@ -89,13 +88,8 @@ fn power_and_size() {
                 }
                 shares.push(caught as f64 / TRIALS as f64);
             }
-            println!(
-                "{} {shape:?} (1σ = {unit:.4}, threshold {least:.2}σ): found at −2, 0, +2, +4σ about it: {shares:.2?}; \
-                 {inside} of {counted} sizes within 95 %",
-                kind.name
-            );
-            assert!(shares[0] < 0.15 && shares[3] > 0.9, "{}: {shares:?}", kind.name);
-            assert!(inside as f64 >= 0.85 * counted as f64);
+            assert!(shares[0] < 0.15 && shares[3] > 0.9, "{} {shape:?}: {shares:?}", kind.name);
+            assert!(inside as f64 >= 0.85 * counted as f64, "{} {shape:?}: {inside} of {counted}", kind.name);
         }
     }
 }
@@ -124,12 +118,7 @@ fn gaps_are_filled_with_what_is_likely() {
             likely += off(&filled);
             alarms += usize::from(alarm(&Search::new(&filled, STEP_S, &density).expect("a filter")));
         }
-        println!(
-            "{}: mean square error {:.2} of the straight lines', {alarms} alarms",
-            kind.name,
-            likely / straight
-        );
-        assert!(likely < straight && alarms <= 2);
+        assert!(likely < straight && alarms <= 2, "{}: {likely} {straight} {alarms}", kind.name);
     }
 }
 

@@ -19,7 +19,6 @@ fn signs(text: &str) -> Vec<f64> {
 
 #[test]
 fn statistic_and_probability_of_scipy() {
-    let (mut worst, mut worst_p) = (0.0_f64, 0.0_f64);
     for set in list(&reference("normality_scipy")["sets"]) {
         let values = numbers(&set["values"]);
         let (found, p) = anderson_darling(&values).unwrap_or_else(|| panic!("{}", set["name"]));
@@ -30,23 +29,17 @@ fn statistic_and_probability_of_scipy() {
         let expected_p = number(&set["p"]);
         if expected_p == 0.0 {
             assert!(expected > 13.0 && p < 5e-31, "{}: {p}", set["name"]);
-            println!("{}: A*² {off:.1e} off, p {p:.1e} for 0", set["name"]);
         } else {
             let off_p = (p / expected_p - 1.0).abs();
-            println!("{}: A*² {off:.1e} off, p {off_p:.1e} off", set["name"]);
             // statsmodels takes 1 − Φ, which has few digits left far above the mean.
             assert!(off_p < 1e-9, "{}: {p}, {expected_p}", set["name"]);
-            worst_p = worst_p.max(off_p);
         }
-        worst = worst.max(off);
     }
-    println!("the worst A*² {worst:.1e} off, the worst p {worst_p:.1e}");
 }
 
 #[test]
 fn runs_of_statsmodels() {
-    let (mut exact, mut normal) = ((0, 0.0_f64), (0, 0.0_f64));
-    let mut worst_z = 0.0_f64;
+    let (mut exact, mut normal) = (0, 0);
     for set in list(&reference("normality_scipy")["sets"]) {
         let expected = &set["runs"];
         let found = runs(&numbers(&set["values"]));
@@ -57,42 +50,27 @@ fn runs_of_statsmodels() {
         let (z, p) = found.unwrap_or_else(|| panic!("{}", set["name"]));
         let off_z = (z - number(&expected["z"])).abs();
         assert!(off_z < 1e-12, "{}: {z}, {}", set["name"], expected["z"]);
-        worst_z = worst_z.max(off_z);
         let off = (p / number(&expected["p"]) - 1.0).abs();
         let counted = number(&expected["above"]).min(number(&expected["below"])) < 20.0;
         let (branch, most) = if counted { (&mut exact, 1e-13) } else { (&mut normal, 1e-9) };
         assert!(off < most, "{}: {p}, {}", set["name"], expected["p"]);
-        *branch = (branch.0 + 1, branch.1.max(off));
+        *branch += 1;
     }
-    println!(
-        "worst z {worst_z:.1e} off; p of {} counted {:.1e}, of {} normal {:.1e}",
-        exact.0, exact.1, normal.0, normal.1
-    );
-    assert!(exact.0 > 8 && normal.0 > 8);
+    assert!(exact > 8 && normal > 8);
 }
 
 #[test]
 fn normal_samples_are_rejected_as_often_as_said() {
     let mut stream = Stream::new(9, "normality");
     let trials = 2000;
-    let (mut forms, mut orders) = ([0; 3], 0);
+    let (mut forms, mut orders) = (0, 0);
     for _ in 0..trials {
         let sample = white(&mut stream, 101, 0.3);
-        let (_, p) = anderson_darling(&sample).expect("a test");
-        for (count, level) in forms.iter_mut().zip([0.05, 0.01, 0.5]) {
-            *count += usize::from(p < level);
-        }
+        forms += usize::from(anderson_darling(&sample).expect("a test").1 < 0.05);
         orders += usize::from(runs(&sample).expect("a test").1 < 0.05);
     }
     let share = |count: usize| count as f64 / f64::from(trials);
-    println!(
-        "A*² below 0.05 {:.4}, below 0.01 {:.4}, below 0.5 {:.4}; runs below 0.05 {:.4}",
-        share(forms[0]),
-        share(forms[1]),
-        share(forms[2]),
-        share(orders)
-    );
-    assert!((0.04..=0.06).contains(&share(forms[0])), "{}", share(forms[0]));
+    assert!((0.04..=0.06).contains(&share(forms)), "{}", share(forms));
     // The runs are whole numbers: at most the level, and less by what the next number would add.
     assert!((0.02..=0.06).contains(&share(orders)), "{}", share(orders));
 }
@@ -146,15 +124,4 @@ fn no_runs_of_one_sign() {
         assert_eq!(runs(&signs(order)), None, "{order}");
     }
     assert_eq!(runs(&[1.0, f64::NAN, -1.0]), None);
-}
-
-#[test]
-fn neighbours_alike_have_few_runs() {
-    let drift: Vec<f64> =
-        normal(12, 101, 0.1).iter().zip(-50..).map(|(x, i)| x + 0.02 * f64::from(i)).collect();
-    let (z, p) = runs(&drift).expect("a test");
-    assert!(z < -5.0 && p < 1e-6, "{z}, {p}");
-    let turned: Vec<f64> = (0..101).map(|i| if i % 2 == 0 { 1.0 } else { -0.5 }).collect();
-    let (z, p) = runs(&turned).expect("a test");
-    assert!(z > 5.0 && p < 1e-6, "{z}, {p}");
 }

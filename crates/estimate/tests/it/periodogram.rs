@@ -7,10 +7,6 @@ use noise::{Stream, power_law};
 
 const STEP_S: f64 = 0.01;
 
-fn trials() -> usize {
-    testkit::campaigns(200) as usize
-}
-
 fn pink(stream: &mut Stream, count: usize, step_s: f64, exponent: f64) -> Vec<f64> {
     let mut samples = power_law(stream, count, step_s, 1e-4, exponent);
     samples.iter_mut().for_each(|x| *x += 0.02 * stream.normal());
@@ -88,7 +84,6 @@ fn a_line_is_found_and_does_not_move_the_noise() {
         near(own[0], hz, 0.3, 60.0);
         worst = worst.max(moved(clean, found));
     }
-    println!("a line of 0.3 moves A, alpha or sigma by {worst:.3} standard errors at most");
     // Five of 2999 ordinates are left out: that much of chance has to be expected.
     assert!(worst < 0.2, "{worst}");
 }
@@ -125,25 +120,18 @@ fn what_a_wandering_line_spreads_is_no_noise() {
     assert_eq!(found.lines.len(), 1, "{:?}", found.lines);
     assert!((found.lines[0].frequency_hz - 20.0).abs() < 0.05, "{:?}", found.lines);
     let left: f64 = found.bins.iter().map(|bin| bin.count).sum();
-    println!("{left} of 9999 ordinates are left");
     assert!(left > 9000.0 && left < 9900.0, "{left}");
     assert!(moved(clean, found) < 0.7);
 }
 
 #[test]
 fn clean_series_have_no_lines() {
-    let mut all = 0;
+    let (trials, mut all) = (testkit::campaigns(200), 0);
     for (count, exponent) in [(400, 1.0), (2000, 1.0), (2000, 1.8), (6000, 1.0)] {
-        let lines = (0..trials())
-            .map(|number| {
-                let mut stream = Stream::new(number as u64, "clean");
-                seen(&pink(&mut stream, count, 1.0, exponent), 1.0).lines.len()
-            })
-            .sum::<usize>();
-        println!("{count} samples, alpha {exponent}: {lines} lines in {} series", trials());
-        all += lines;
+        let series = |number: u64| pink(&mut Stream::new(number, "clean"), count, 1.0, exponent);
+        all += (0..trials).map(|number| seen(&series(number), 1.0).lines.len()).sum::<usize>();
     }
     // 10⁻³ for each series; as many as chance brings once in a thousand times.
-    let expected = 4e-3 * trials() as f64;
+    let expected = 4e-3 * trials as f64;
     assert!((all as f64) < expected + 3.3 * expected.sqrt() + 1.0, "{all}, expected {expected}");
 }

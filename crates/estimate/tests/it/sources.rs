@@ -61,11 +61,6 @@ fn noises_of_scipy() {
     };
     let known = Mixture { spectra: &spectra, step_s, columns: columns(1), known: vec![first] };
     let known = compare(&fit(&known).expect("a fit"), 1, step_s, &reference["first_known"]);
-    println!(
-        "off by {:.1e} standard errors, these by {:.1e} of themselves",
-        three[0].max(known[0]),
-        three[1].max(known[1])
-    );
     // The last step of the fit is below 1e-5 standard errors.
     assert!(three[0] < 1e-4 && known[0] < 1e-4, "{three:?} {known:?}");
     assert!(three[1] < 1e-3 && known[1] < 1e-3, "{three:?} {known:?}");
@@ -94,15 +89,13 @@ fn white_noises_and_what_is_not_independent() {
         covariance(&second, &second) - covariance(&second, &third),
         covariance(&third, &third) - covariance(&second, &third),
     ];
-    println!("hat {hat:.3?}, goodness {:.2}", found.goodness);
     for (i, source) in found.sources.iter().enumerate() {
         let rms = source.white_rms;
-        println!("  {:.4} ± {:.4}", rms.value, rms.std);
         if i == 1 {
             assert!(rms.value < 0.2 && rms.std > 0.02, "a good instrument among bad ones is not well known");
         } else {
-            assert!((rms.value / hat[i].sqrt() - 1.0).abs() < 0.05);
-            assert!((rms.value - levels[i]).abs() < 4.0 * rms.std);
+            assert!((rms.value / hat[i].sqrt() - 1.0).abs() < 0.05, "{rms:?} {hat:?}");
+            assert!((rms.value - levels[i]).abs() < 4.0 * rms.std, "{rms:?}");
         }
     }
     assert!(found.goodness > 1e-3);

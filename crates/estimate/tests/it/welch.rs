@@ -16,7 +16,7 @@ fn made(seed: u64, count: usize, std: f64) -> Vec<f64> {
 #[test]
 fn densities_of_scipy() {
     let reference = reference("welch_scipy");
-    let (mut compared, mut worst) = (0, 0.0_f64);
+    let mut compared = 0;
     for series in list(&reference["series"]) {
         let samples = numbers(&series["samples"]);
         for expected in list(&series["spectra"]) {
@@ -42,12 +42,10 @@ fn densities_of_scipy() {
             for (k, (found, expected)) in spectrum.density.iter().zip(&density).enumerate() {
                 let off = (found - expected).abs();
                 assert!(off <= 1e-10 * expected + 1e-14 * largest, "{name}, bin {k}: {found}, {expected}");
-                worst = worst.max(off / expected);
                 compared += 1;
             }
         }
     }
-    println!("{compared} densities, the worst {worst:.1e} off");
     assert!(compared > 1500);
 }
 
@@ -110,7 +108,6 @@ fn the_interval_covers_the_truth() {
             }
         }
         let share = inside as f64 / all as f64;
-        println!("{count} samples, segments of {n}: {inside} of {all}, {share:.4}");
         assert!((0.93..0.97).contains(&share), "{count} samples, segments of {n}: {share}");
     }
 }
@@ -147,13 +144,4 @@ fn power_of_a_band() {
     let line = of(frequency.clone(), frequency.iter().map(|f| 2.0 * f).collect());
     assert!(close(line.power(0.1234, 0.4321), 0.4321_f64.powi(2) - 0.1234_f64.powi(2)));
     assert!(close(line.power(0.1, 0.2345) + line.power(0.2345, 0.4), line.power(0.1, 0.4)), "bands add up");
-}
-
-#[test]
-fn power_of_a_sine_is_half_its_square() {
-    let samples: Vec<f64> =
-        (0..5000).map(|i| 7.0 + 0.3 * (std::f64::consts::TAU * 1.137 * 0.05 * f64::from(i)).sin()).collect();
-    let spectrum = welch(&samples, 0.05, 500).expect("a spectrum");
-    assert!((spectrum.power(0.8, 1.5) / (0.5 * 0.3 * 0.3) - 1.0).abs() < 1e-3);
-    assert!(spectrum.power(2.0, 10.0) < 1e-6);
 }

@@ -41,8 +41,6 @@ fn maxima_of_scipy() {
                 off_covariance = off_covariance.max((found.covariance[(i, j)] - own).abs() / scale);
             }
         }
-        let fall = number(&expected["log_likelihood"]) - found.log_likelihood;
-        println!("{form}: {off:.1e} standard errors off, covariances {off_covariance:.1e}, ln L {fall:.1e}");
         // The bins: 0.003, 0.012 and 0.005 standard errors were seen.
         assert!(off < 0.02, "{form}: {off} standard errors");
         assert!(off_covariance < 0.02, "{form}: {off_covariance}");
@@ -52,7 +50,6 @@ fn maxima_of_scipy() {
     for other in [reading, density] {
         // What the bins take from the likelihood is common to the forms.
         let (expected, found) = (each.0 - other.0, each.1 - other.1);
-        println!("gain over the restricted form {found:.4}, by SciPy {expected:.4}");
         assert!((found - expected).abs() < 0.02 * (1.0 + expected), "{found}, {expected}");
     }
     let chosen = fit(&series).expect("a fit");
@@ -138,7 +135,6 @@ fn no_flicker_has_a_bound() {
     // The likelihood ratio at the bound, from the ordinates themselves.
     let best = (0..4000).map(|i| least_cost(&series, 1e-8 * f64::from(i))).fold(f64::INFINITY, f64::min);
     let fall = 2.0 * (least_cost(&series, bound) - best);
-    println!("A < {bound:.3e}, 2 ln ratio {fall:.4}");
     assert!((fall - 1.645_f64.powi(2)).abs() < 0.01, "{fall}");
     // Weak flicker is below the bound, or it is found with an interval that holds it: in 95 of a hundred
     // series, and in 90 near the limit of significance, where it is sometimes the one and sometimes the
@@ -156,8 +152,7 @@ fn no_flicker_has_a_bound() {
                 }
             }
         }
-        println!("A = {weak:e} is below the bound in {below} of 200, within the interval in {held}");
-        assert!(below + held >= 174, "{below} and {held}");
+        assert!(below + held >= 174, "{weak:e}: {below} and {held}");
     }
 }
 
@@ -179,7 +174,6 @@ fn no_white_noise_has_a_bound() {
             assert!(bound > 0.0 && bound < 0.02, "{bound}");
         }
     }
-    println!("no white noise in {none} of 100, A held in {held}");
     assert!(none >= 97 && held >= 90, "{none}, {held}");
 }
 

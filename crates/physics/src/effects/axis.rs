@@ -1,7 +1,7 @@
 use super::prelude::*;
+use super::temperature::late_warmth;
 use crate::context::Thermometer;
 use crate::frames::ARCSEC;
-use crate::memory::{Before, Signal};
 
 /// ΔB = u α + v β, with u and v the SEN fields across the sensor and the angles α, β = (a, b) (T_S − T_ref).
 pub struct AxisTemperature;
@@ -15,15 +15,9 @@ impl Effect for AxisTemperature {
         equation: "dB = (a u + b v) (T_S - T_ref), u and v the SEN fields across the sensor in cyclic order",
         source: "NASA CR-156638, specifications (axes stable to 5 arcsec); Acuña 2002, Space-based magnetometers, \
             Rev. Sci. Instrum. 73, 3717",
-        family: Family::FollowsColumn,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
-        parameters: &[
-            ParameterInfo::amplitude("first_arcsec_per_k", 0.01, 10.0),
-            ParameterInfo::amplitude("second_arcsec_per_k", 0.01, 10.0),
-        ],
+        parameters: amplitudes!(0.01 to 10.0: "first_arcsec_per_k", "second_arcsec_per_k"),
         needs: &[Thermometer::Sensor.column()],
+        ..About::of(Family::FollowsColumn, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -44,25 +38,16 @@ impl Effect for AxisCreep {
         physics: "Glue and fixings give way slowly after a change of temperature, and the sensor's axis turns with \
             them.",
         equation: "dB = (a u + b v) (T_lag - T_ref), tau dT_lag/dt = T_S - T_lag",
-        source: "NASA CR-156638, specifications (axes stable to 5 arcsec); Acuña 2002, Space-based magnetometers, \
-            Rev. Sci. Instrum. 73, 3717",
-        family: Family::FollowsColumn,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
-        parameters: &[
-            ParameterInfo::amplitude("first_arcsec_per_k", 0.01, 10.0),
-            ParameterInfo::amplitude("second_arcsec_per_k", 0.01, 10.0),
-            ParameterInfo::shape("lag_s", 10.0, 100_000.0),
-        ],
+        parameters: amplitudes!(
+            0.01 to 10.0: "first_arcsec_per_k", "second_arcsec_per_k";
+            ParameterInfo::shape("lag_s", 10.0, 100_000.0)
+        ),
         needs: &["time_s", Thermometer::Sensor.column()],
+        ..AxisTemperature::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
-        let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
-        let warmer = column.iter().map(|t| T::from(t - reference)).collect();
-        let warmer = Signal::new(time, warmer).lagged(parameters[2], Before::Equilibrium);
+        let warmer = late_warmth(around.context, Thermometer::Sensor, Self::ABOUT.name, parameters[2])?;
         turn(parameters, |row| warmer[row], signal, around);
         Ok(())
     }

@@ -1,9 +1,6 @@
 use super::prelude::*;
 use crate::memory::Signal;
 
-const SOURCE: &str = "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241 (feedback loop); Auster et al. \
-    2008, The THEMIS fluxgate magnetometer, Space Sci. Rev. 141, 235";
-
 /// The reading follows B through the poles of the loop, τ and r τ: (1 + τ d/dt)(1 + r τ d/dt) y = B, following B at
 /// the first row. With r = 0 a first-order lag; ΔB ≈ −(1 + r) τ dB/dt.
 pub struct LoopBandwidth;
@@ -15,23 +12,20 @@ impl Effect for LoopBandwidth {
         physics: "The feedback loop needs a time to balance the field, so that a changing field is read too late and, \
             above the loop's bandwidth, too small.",
         equation: "dB = y - B, (1 + tau d/dt)(1 + r tau d/dt) y = B",
-        source: SOURCE,
-        family: Family::LateResponse,
-        place: Place::Electronics,
-        stage: Stage::Electronics,
-        acts: Acts::OneSensor,
+        source: "Primdahl 1979, The fluxgate magnetometer, J. Phys. E 12, 241 (feedback loop); Auster et al. \
+            2008, The THEMIS fluxgate magnetometer, Space Sci. Rev. 141, 235",
         parameters: &[
             ParameterInfo::shape("lag_s", 1e-4, 10.0),
             ParameterInfo::shape("second_lag_ratio", 0.05, 0.9).or_zero(),
         ],
         needs: &["time_s"],
+        ..About::of(Family::LateResponse, Place::Electronics, Stage::Electronics, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let field =
-            Signal::new(time, signal.iter().map(|value| value[own]).collect()).holding(&around.context.held);
+        let field = Signal::of(time, signal, own).holding(&around.context.held);
         replace(own, field.lagged_twice(parameters[0], parameters[1]), signal);
         Ok(())
     }
@@ -46,21 +40,15 @@ impl Effect for Delay {
         title: "one channel is sampled late",
         physics: "A filter or a converter hands one channel's value on a fixed time after it was true.",
         equation: "dB = B(t - d) - B(t)",
-        source: SOURCE,
-        family: Family::LateResponse,
-        place: Place::Electronics,
-        stage: Stage::Electronics,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("delay_s", 1e-4, 10.0)],
-        needs: &["time_s"],
+        ..LoopBandwidth::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let own = around.axis.index();
-        let delayed =
-            Signal::new(time, signal.iter().map(|value| value[own]).collect()).holding(&around.context.held);
-        replace(own, delayed.delayed(|_| parameters[0]), signal);
+        let field = Signal::of(time, signal, own).holding(&around.context.held);
+        replace(own, field.delayed(|_| parameters[0]), signal);
         Ok(())
     }
 }

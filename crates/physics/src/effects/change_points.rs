@@ -13,21 +13,15 @@ impl Effect for ReadingStep {
         physics: "A knock, a changed range or a restart of the logger moves one channel by a constant from then on.",
         equation: "dB = h for t >= t0",
         source: SOURCE,
-        family: Family::Time,
-        place: Place::Logger,
-        stage: Stage::Logger,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("height_nt", 0.1, 1000.0), ParameterInfo::epoch("time_s")],
         needs: &["time_s"],
+        ..About::of(Family::Time, Place::Logger, Stage::Logger, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
-        for (value, t) in signal.iter_mut().zip(time) {
-            if *t >= parameters[1].re() {
-                value[around.axis.index()] += parameters[0];
-            }
-        }
+        let after = |(_, t): &(&mut T, &f64)| **t >= parameters[1].re();
+        around.own(signal).zip(time).filter(after).for_each(|(own, _)| *own += parameters[0]);
         Ok(())
     }
 }
@@ -42,12 +36,9 @@ impl Effect for Spike {
         physics: "A bit error or a switching transient falls into one sample.",
         equation: "dB = h in the row nearest to t0",
         source: SOURCE,
-        family: Family::Moments,
-        place: Place::Logger,
-        stage: Stage::Logger,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("height_nt", 1.0, 100_000.0), ParameterInfo::epoch("time_s")],
         needs: &["time_s"],
+        ..About::of(Family::Moments, Place::Logger, Stage::Logger, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -81,25 +72,19 @@ impl Effect for Dropout {
         title: "reading freezes for a while",
         physics: "The connection fails and the logger stores the last value until it is back.",
         equation: "dB = B(t0) - B(t) for t0 <= t < t0 + d",
-        source: SOURCE,
-        family: Family::Moments,
-        place: Place::Logger,
-        stage: Stage::Logger,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::epoch("time_s"), ParameterInfo::epoch("duration_s")],
-        needs: &["time_s"],
+        ..Spike::ABOUT
     };
     const INVERTIBLE: bool = false;
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let (from, to) = (parameters[0].re(), parameters[0].re() + parameters[1].re());
-        let own = around.axis.index();
         let mut held = None;
-        for (value, t) in signal.iter_mut().zip(time) {
+        for (own, t) in around.own(signal).zip(time) {
             match held {
-                Some(last) if (from..to).contains(t) => value[own] = last,
-                _ if value[own].re().is_finite() => held = Some(value[own]),
+                Some(last) if (from..to).contains(t) => *own = last,
+                _ if own.re().is_finite() => held = Some(*own),
                 _ => {}
             }
         }

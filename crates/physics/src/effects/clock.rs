@@ -2,9 +2,6 @@ use super::bandwidth::replace;
 use super::prelude::*;
 use crate::memory::Signal;
 
-const SOURCE: &str =
-    "INTERMAGNET Technical Reference Manual (time-stamp accuracy); ΔB = Δt dB/dt to first order";
-
 /// The logger's clock is ahead by Δt: what it stamps t was true at t − Δt. ΔB ≈ −Δt dB/dt, common to all
 /// sensors.
 pub struct ClockOffset;
@@ -16,13 +13,10 @@ impl Effect for ClockOffset {
         physics: "The logger's clock differs from the clock of the drive by a fixed time, so that all sensors err in \
             proportion to the rate of the field.",
         equation: "dB = B(t - dt) - B(t), all sensors",
-        source: SOURCE,
-        family: Family::LateResponse,
-        place: Place::Logger,
-        stage: Stage::Sampling,
-        acts: Acts::Everything,
+        source: "INTERMAGNET Technical Reference Manual (time-stamp accuracy); ΔB = Δt dB/dt to first order",
         parameters: &[ParameterInfo::amplitude("offset_s", 1e-3, 60.0)],
         needs: &["time_s"],
+        ..About::of(Family::LateResponse, Place::Logger, Stage::Sampling, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -42,13 +36,8 @@ impl Effect for ClockRate {
         physics: "The logger's quartz runs at another rate than the clock of the drive, so that the time error grows \
             through the campaign.",
         equation: "dB = B(t - r t) - B(t), all sensors",
-        source: SOURCE,
-        family: Family::LateResponse,
-        place: Place::Logger,
-        stage: Stage::Sampling,
-        acts: Acts::Everything,
         parameters: &[ParameterInfo::amplitude("rate_ppm", 0.1, 1000.0)],
-        needs: &["time_s"],
+        ..ClockOffset::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -66,8 +55,7 @@ fn shift<T: Real>(
     signal: &mut [Vector3<T>],
 ) {
     for component in 0..3 {
-        let series =
-            Signal::new(time, signal.iter().map(|value| value[component]).collect()).holding(&context.held);
-        replace(component, series.delayed(&delay), signal);
+        let field = Signal::of(time, signal, component).holding(&context.held);
+        replace(component, field.delayed(&delay), signal);
     }
 }

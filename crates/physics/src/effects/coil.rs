@@ -13,18 +13,14 @@ impl Effect for CoilTemperature {
         equation: "B = k (1 + a (T_C - T_ref) 1e-6) I",
         source: "NASA CR-156638, description of test facility (a second winding on each coil against its temperature \
             dependence)",
-        family: Family::FollowsColumn,
-        place: Place::Facility,
-        stage: Stage::Coil,
-        acts: Acts::OneCoil,
         parameters: &[ParameterInfo::amplitude("coefficient_ppm_per_k", 0.1, 100.0)],
         needs: &[Thermometer::Coil.column()],
+        ..About::of(Family::FollowsColumn, Place::Facility, Stage::Coil, Acts::OneCoil)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (column, reference) = around.context.temperature(Thermometer::Coil, Self::ABOUT.name)?;
-        for (value, temperature) in signal.iter_mut().zip(column.iter()) {
-            let own = &mut value[around.axis.index()];
+        for (own, temperature) in around.own(signal).zip(column.iter()) {
             *own += *own * parameters[0] * ((temperature - reference) * 1e-6);
         }
         Ok(())
@@ -45,31 +41,27 @@ impl Effect for CoilHeating {
             warmth comes and goes with the coil's thermal time constant.",
         equation: "B = k (1 - (a P + b W) 1e-6) I, tau dP/dt = I^2 - P, tau dW/dt = -W, P = 0 and W = I^2 at the first row",
         source: "NASA CR-156638, description of test facility (temperature dependence of the main winding)",
-        family: Family::FollowsColumn,
-        place: Place::Facility,
-        stage: Stage::Coil,
-        acts: Acts::OneCoil,
         parameters: &[
             ParameterInfo::amplitude("fall_ppm_per_a2", 1.0, 2000.0),
             ParameterInfo::amplitude("fall_at_start_ppm_per_a2", 1.0, 2000.0).or_zero(),
             ParameterInfo::shape("lag_s", 30.0, 20_000.0),
         ],
         needs: &["time_s", "drive of the coil"],
+        ..About::of(Family::FollowsColumn, Place::Facility, Stage::Coil, Acts::OneCoil)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
         let time = context.times(Self::ABOUT.name)?;
-        let own = around.axis.index();
         let (brought, before, lag_s) = (parameters[0], parameters[1], parameters[2]);
-        let squared: Vec<T> = context.current_a.iter().map(|current| T::from(current[own].powi(2))).collect();
+        let squared = |current: &Vector3<f64>| T::from(current[around.axis.index()].powi(2));
+        let squared: Vec<T> = context.current_a.iter().map(squared).collect();
         let Some(&first) = squared.first() else { return Ok(()) };
         let warmth =
             Signal::new(time, squared).holding(&context.held).lagged(lag_s, Before::At(T::from(0.0)));
-        for ((field, warmth), t) in signal.iter_mut().zip(warmth).zip(time) {
-            let cold = field[own];
+        for ((own, warmth), t) in around.own(signal).zip(warmth).zip(time) {
             let left = first * (lag_s.recip() * (time[0] - t)).exp();
-            field[own] -= cold * (warmth * brought + left * before) * 1e-6;
+            *own -= *own * (warmth * brought + left * before) * 1e-6;
         }
         Ok(())
     }
@@ -91,28 +83,22 @@ impl Effect for EddyCurrents {
         equation: "dB = -s (B_c - L + q (B_c - L_5)) 1e-6, tau dL/dt = B_c - L, L_5 with tau / 5",
         source: "Leliak 1961, Identification and evaluation of magnetic-field sources of MAD equipped aircraft, IRE \
             Trans. ANE-8, 95",
-        family: Family::LateResponse,
-        place: Place::Facility,
-        stage: Stage::Coil,
-        acts: Acts::OneCoil,
         parameters: &[
             ParameterInfo::amplitude("share_ppm", 1.0, 50_000.0),
             ParameterInfo::shape("time_constant_s", 1e-3, 1000.0),
             ParameterInfo::shape("fast_ratio", 0.05, 5.0).or_zero(),
         ],
         needs: &["time_s", "drive of the coil"],
+        ..About::of(Family::LateResponse, Place::Facility, Stage::Coil, Acts::OneCoil)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
-        let own = around.axis.index();
-        let drive =
-            Signal::new(time, signal.iter().map(|field| field[own]).collect()).holding(&around.context.held);
+        let drive = Signal::of(time, signal, around.axis.index()).holding(&around.context.held);
         let slow = drive.lagged(parameters[1], Before::Moving);
         let fast = drive.lagged(parameters[1] / FAST, Before::Moving);
-        for ((field, slow), fast) in signal.iter_mut().zip(slow).zip(fast) {
-            let driven = field[own];
-            field[own] -= (driven - slow + (driven - fast) * parameters[2]) * parameters[0] * 1e-6;
+        for ((own, slow), fast) in around.own(signal).zip(slow).zip(fast) {
+            *own -= (*own - slow + (*own - fast) * parameters[2]) * parameters[0] * 1e-6;
         }
         Ok(())
     }

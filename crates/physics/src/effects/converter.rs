@@ -18,19 +18,14 @@ impl Effect for Quantisation {
         physics: "The converter has fewer bits than the field asks for, and the reading is a staircase.",
         equation: "dB = q round(M / q) - M, M = B - O what the converter gets",
         source: SOURCE,
-        family: Family::Codes,
-        place: Place::Electronics,
-        stage: Stage::Converter,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("width_nt", 0.02, 4000.0)],
-        needs: &[],
+        ..About::of(Family::Codes, Place::Electronics, Stage::Converter, Acts::OneSensor)
     };
     const INVERTIBLE: bool = false;
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
-        for value in signal {
-            let own = &mut value[around.axis.index()];
+        for own in around.own(signal) {
             let reading = *own - offset;
             let codes = (reading.re() / parameters[0].re()).round();
             *own = offset + parameters[0] * codes;
@@ -56,10 +51,6 @@ impl Effect for DifferentialNonlinearity {
         physics: "A bit of the converter has a wrong weight, and the reading errs periodically along its own range.",
         equation: "dB = sum over k from 1 to 5 of a_k sin(2 pi k M / p) + b_k cos(2 pi k M / p), M = B - O",
         source: SOURCE,
-        family: Family::Codes,
-        place: Place::Electronics,
-        stage: Stage::Converter,
-        acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::amplitude("sine_nt", 0.02, 5.0),
             ParameterInfo::amplitude("cosine_nt", 0.02, 5.0),
@@ -73,14 +64,13 @@ impl Effect for DifferentialNonlinearity {
             harmonic("sine_5_nt", 1.0),
             harmonic("cosine_5_nt", 1.0),
         ],
-        needs: &[],
+        ..About::of(Family::Codes, Place::Electronics, Stage::Converter, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
         let amplitudes = [&parameters[..2], &parameters[3..]].concat();
-        for value in signal {
-            let own = &mut value[around.axis.index()];
+        for own in around.own(signal) {
             let phase = (*own - offset) / parameters[2] * TAU;
             for (pair, k) in amplitudes.chunks_exact(2).zip(1..) {
                 let phase = phase * f64::from(k);
@@ -104,21 +94,16 @@ impl Effect for Saturation {
         physics: "The feedback runs out of current near the end of the range, and the reading flattens.",
         equation: "dB = M / (1 + |M / L|^s)^(1/s) - M, M = B - O",
         source: SOURCE,
-        family: Family::OwnField,
-        place: Place::Electronics,
-        stage: Stage::Converter,
-        acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::shape("level_nt", 30_000.0, 200_000.0),
             ParameterInfo { absent: Some(8.0), ..ParameterInfo::shape("sharpness", 3.0, 16.0) },
         ],
-        needs: &[],
+        ..About::of(Family::OwnField, Place::Electronics, Stage::Converter, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
-        for value in signal {
-            let own = &mut value[around.axis.index()];
+        for own in around.own(signal) {
             let reading = *own - offset;
             let share = if reading.re() < 0.0 { -reading } else { reading } / parameters[0];
             if share.re() > NOTHING {
@@ -141,19 +126,14 @@ impl Effect for Clipping {
             the same.",
         equation: "dB = min(max(M, -L), L) - M, M = B - O",
         source: SOURCE,
-        family: Family::OwnField,
-        place: Place::Electronics,
-        stage: Stage::Converter,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::shape("level_nt", 1_000.0, 100_000.0)],
-        needs: &[],
+        ..About::of(Family::OwnField, Place::Electronics, Stage::Converter, Acts::OneSensor)
     };
     const INVERTIBLE: bool = false;
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let offset = offset(around);
-        for value in signal {
-            let own = &mut value[around.axis.index()];
+        for own in around.own(signal) {
             let reading = (*own - offset).re();
             if reading.abs() > parameters[0].re() {
                 *own = offset + parameters[0] * reading.signum();

@@ -1,8 +1,5 @@
 use super::prelude::*;
 
-const SOURCE: &str = "Brauer et al. 1997, Transverse field effect in fluxgate sensors, Sens. Actuators A 59, 70; \
-    NASA CR-156638, orthogonal field effects";
-
 /// ΔB = (a u² + b v² + c u v) / (50 000 nT)², u and v the fields across the sensor (for sensor x: SEN y and
 /// z). A part linear in them is a turned axis, which belongs to μ.
 pub struct CrossField;
@@ -14,17 +11,10 @@ impl Effect for CrossField {
         physics: "A field across the core saturates parts of it and shifts the balance of the sensor, whatever the \
             field along its axis.",
         equation: "dB = (a u^2 + b v^2 + c u v) / (50000 nT)^2, u and v the SEN fields across the sensor in cyclic order",
-        source: SOURCE,
-        family: Family::OwnField,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
-        parameters: &[
-            ParameterInfo::amplitude("first_nt", 0.1, 50.0),
-            ParameterInfo::amplitude("second_nt", 0.1, 50.0),
-            ParameterInfo::amplitude("mixed_nt", 0.1, 50.0),
-        ],
-        needs: &[],
+        source: "Brauer et al. 1997, Transverse field effect in fluxgate sensors, Sens. Actuators A 59, 70; \
+            NASA CR-156638, orthogonal field effects",
+        parameters: amplitudes!(0.1 to 50.0: "first_nt", "second_nt", "mixed_nt"),
+        ..About::of(Family::OwnField, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -47,16 +37,8 @@ impl Effect for CrossFieldSensitivity {
         physics: "A field across the core changes its permeability, and with it the share of the field that the \
             sensor sees.",
         equation: "dB = B (a u + b v) / (50000 nT)^2, u and v the SEN fields across the sensor in cyclic order",
-        source: SOURCE,
-        family: Family::OwnField,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
-        parameters: &[
-            ParameterInfo::amplitude("first_nt", 0.1, 50.0),
-            ParameterInfo::amplitude("second_nt", 0.1, 50.0),
-        ],
-        needs: &[],
+        parameters: amplitudes!(0.1 to 50.0: "first_nt", "second_nt"),
+        ..CrossField::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -13,18 +13,13 @@ impl Effect for Dependence {
             a moving part. What it is only the column's name says.",
         equation: "dB = c (u_lag - u_0), tau du_lag/dt = u - u_lag, u_0 the reference",
         source: "Olsen et al. 2020, Magnetic observations from CryoSat-2: calibration and processing of satellite platform magnetometer data, Earth Planets Space 72, 48",
-        family: Family::FollowsColumn,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::WithColumn(""),
-        parameters: &[
-            ParameterInfo::amplitude("x_nt_per_unit", 1e-6, 1e6),
-            ParameterInfo::amplitude("y_nt_per_unit", 1e-6, 1e6),
-            ParameterInfo::amplitude("z_nt_per_unit", 1e-6, 1e6),
+        parameters: amplitudes!(
+            1e-6 to 1e6: "x_nt_per_unit", "y_nt_per_unit", "z_nt_per_unit";
             ParameterInfo::shape("lag_s", 0.1, 100_000.0).or_zero(),
-            ParameterInfo::span("reference", 1e-3, 1e6),
-        ],
+            ParameterInfo::span("reference", 1e-3, 1e6)
+        ),
         needs: &["a recorded column", "rows in the order taken"],
+        ..About::of(Family::FollowsColumn, Place::Sensor, Stage::Sensor, Acts::WithColumn(""))
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -38,15 +38,12 @@ impl Effect for Empirical {
             explains. It predicts readings in the same range of what it follows, and nothing outside it.",
         equation: "dB = c_1 T_1(x) + ... + c_6 T_6(x), x = (2 u - from - to) / (to - from) within -1 and 1, u the column, or by how much it is off its own past with tau > 0",
         source: "T. J. Rivlin 1990, Chebyshev Polynomials, 2nd ed., Wiley",
-        family: Family::FollowsColumn,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::WithColumn(""),
         parameters: coefficients!(
             "x_1_nt", "x_2_nt", "x_3_nt", "x_4_nt", "x_5_nt", "x_6_nt", "y_1_nt", "y_2_nt", "y_3_nt",
             "y_4_nt", "y_5_nt", "y_6_nt", "z_1_nt", "z_2_nt", "z_3_nt", "z_4_nt", "z_5_nt", "z_6_nt"
         ),
         needs: &["a column, `field_x`, `field_y`, `field_z`, or `coils_a`", "rows in the order taken"],
+        ..About::of(Family::FollowsColumn, Place::Sensor, Stage::Sensor, Acts::WithColumn(""))
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -70,10 +70,6 @@ impl Effect for CoilGradient {
             + g_nu (n u^T + u n^T) + g_nv (n v^T + v n^T) + g_uu (u u^T - v v^T) + g_uv (u v^T + v u^T), u and v the \
             axes that follow n",
         source: "NASA CR-156638, minimise calibration coil gradients; field of a coil without sources and curl, to first order",
-        family: Family::Position,
-        place: Place::Facility,
-        stage: Stage::Sensor,
-        acts: Acts::OneCoil,
         parameters: &[
             ParameterInfo::amplitude("gradient_ppm_per_m", 1.0, 5000.0),
             ParameterInfo::amplitude("gradient_nu_ppm_per_m", 1.0, 5000.0).or_zero(),
@@ -82,6 +78,7 @@ impl Effect for CoilGradient {
             ParameterInfo::amplitude("gradient_uv_ppm_per_m", 1.0, 5000.0).or_zero(),
         ],
         needs: &["instrument.positions_m"],
+        ..About::of(Family::Position, Place::Facility, Stage::Sensor, Acts::OneCoil)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -113,38 +110,18 @@ impl Effect for OffCentre {
             another field in each orientation.",
         equation: "dB = m . R (3 n (n.p) - p) G I / 2, p = R^T displacement, for each coil",
         source: "NASA CR-156638, procedure for the sensor assembly (the cube's centre must not move)",
-        family: Family::Position,
-        place: Place::Facility,
-        stage: Stage::Sensor,
-        acts: Acts::Everything,
-        parameters: &[
-            ParameterInfo::amplitude("x_m", 0.001, 0.5),
-            ParameterInfo::amplitude("y_m", 0.001, 0.5),
-            ParameterInfo::amplitude("z_m", 0.001, 0.5),
-        ],
+        parameters: amplitudes!(0.001 to 0.5: "x_m", "y_m", "z_m"),
         needs: &["facility.coils.*.gradient_nt_per_m_a"],
+        ..About::of(Family::Position, Place::Facility, Stage::Sensor, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
-        let gradient = context.gradient_nt_per_m_a;
-        if gradient == Vector3::zeros() {
+        if context.gradient_nt_per_m_a == Vector3::zeros() {
             let what = "a coil's gradient, `facility.coils.x.gradient_nt_per_m_a` or that of another coil";
             return Err(context.missing(Self::ABOUT.name, what));
         }
-        let p = Vector3::from_column_slice(parameters);
-        let g = AXISYMMETRIC.map(T::from);
-        for coil in Axis::ALL {
-            for sensor in Axis::ALL {
-                let seen = seen_by_row(around.basic, context, (coil, &g), sensor, &p);
-                for (row, value) in signal.iter_mut().enumerate() {
-                    let strength = gradient[coil.index()] * context.current_a[row][coil.index()];
-                    if strength != 0.0 {
-                        value[sensor.index()] += seen(row) * strength;
-                    }
-                }
-            }
-        }
+        add_gradients(around.basic, context, &[Vector3::from_column_slice(parameters); 3], signal);
         Ok(())
     }
 }
@@ -152,13 +129,23 @@ impl Effect for OffCentre {
 /// What is known of the coils' gradients (`facility.coils.*.gradient_nt_per_m_a`) at the sensors' known
 /// places (`instrument.positions_m`): a part of the basic chain, in nT along each sensor.
 pub fn add_known_gradient<T: Real>(basic: &Basic<T>, context: &Context<'_>, signal: &mut [Vector3<T>]) {
-    let Some(positions) = &context.positions_m else { return };
+    if let Some(positions) = &context.positions_m {
+        add_gradients(basic, context, &positions.map(|p| p.map(T::from)), signal);
+    }
+}
+
+/// What the coils' gradients along their axes make at the places of the sensors (SEN, m).
+fn add_gradients<T: Real>(
+    basic: &Basic<T>,
+    context: &Context<'_>,
+    places: &[Vector3<T>; 3],
+    signal: &mut [Vector3<T>],
+) {
     let g = AXISYMMETRIC.map(T::from);
     for coil in Axis::ALL {
         let gradient = context.gradient_nt_per_m_a[coil.index()];
         for sensor in Axis::ALL.into_iter().filter(|_| gradient != 0.0) {
-            let p = positions[sensor.index()].map(T::from);
-            let seen = seen_by_row(basic, context, (coil, &g), sensor, &p);
+            let seen = seen_by_row(basic, context, (coil, &g), sensor, &places[sensor.index()]);
             for (row, value) in signal.iter_mut().enumerate() {
                 value[sensor.index()] += seen(row) * (gradient * context.current_a[row][coil.index()]);
             }

@@ -13,21 +13,17 @@ impl Effect for Hysteresis {
         equation: "dB = -h z, dz/ds = (sign(dB/ds) - z) / B_c, s the way that the field has gone",
         source: "Coleman and Hodgdon 1986, A constitutive relation for rate-independent hysteresis, Int. J. Eng. Sci. \
             24, 897; Ripka 2001, Magnetic Sensors and Magnetometers",
-        family: Family::OwnField,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::amplitude("amplitude_nt", 0.05, 20.0),
             ParameterInfo::shape("coercivity_nt", 10.0, 10_000.0),
         ],
         needs: &["rows in the order taken"],
+        ..About::of(Family::OwnField, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (mut last, mut z): (Option<T>, T) = (None, T::from(0.0));
-        for value in signal {
-            let own = &mut value[around.axis.index()];
+        for own in around.own(signal) {
             if !own.re().is_finite() {
                 continue;
             }
@@ -56,22 +52,18 @@ impl Effect for Perming {
         equation: "dB = r p, p = min(max(p, B - B_t), B + B_t), p = s B_1 at first",
         source: "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis (play); Primdahl 1979, The fluxgate \
             magnetometer, J. Phys. E 12, 241 (perming)",
-        family: Family::OwnField,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::amplitude("remanence_ppm", 1.0, 1000.0),
             ParameterInfo::shape("threshold_nt", 1000.0, 200_000.0),
             ParameterInfo::span("start_share", 0.1, 1.0),
         ],
         needs: &["rows in the order taken"],
+        ..About::of(Family::OwnField, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let mut before = None;
-        for value in signal {
-            let own = &mut value[around.axis.index()];
+        for own in around.own(signal) {
             if !own.re().is_finite() {
                 continue;
             }

@@ -15,17 +15,13 @@ impl Effect for OffsetTemperatureInflection {
         equation: "dB = c (T_S - T_ref) + h w (g((T_S - T_i)/w) - g((T_ref - T_i)/w)), g(u) = ln cosh u, T_i in K",
         source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice (temperature \
             coefficients of variometers)",
-        family: Family::FollowsColumn,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
-        parameters: &[
-            ParameterInfo::amplitude("coefficient_nt_per_k", 0.005, 5.0),
-            ParameterInfo::amplitude("half_change_nt_per_k", 0.005, 5.0),
+        parameters: amplitudes!(
+            0.005 to 5.0: "coefficient_nt_per_k", "half_change_nt_per_k";
             ParameterInfo::shape("inflection_k", 245.0, 350.0),
-            ParameterInfo::shape("width_k", 0.3, 10.0),
-        ],
+            ParameterInfo::shape("width_k", 0.3, 10.0)
+        ),
         needs: &[Thermometer::Sensor.column()],
+        ..About::of(Family::FollowsColumn, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -1,8 +1,5 @@
 use super::prelude::*;
 
-const SOURCE: &str = "Leliak 1961, Identification and evaluation of magnetic-field sources of MAD equipped aircraft, IRE \
-    Trans. ANE-8, 95";
-
 /// A constant vector in GEO, nT.
 pub struct HardIron;
 
@@ -12,17 +9,10 @@ impl Effect for HardIron {
         title: "magnetised iron near the coil",
         physics: "Something near the coil is magnetised: a constant field that does not turn with the sensor block.",
         equation: "dB_geo = h",
-        source: SOURCE,
-        family: Family::OutsideField,
-        place: Place::Facility,
-        stage: Stage::Geo,
-        acts: Acts::Everything,
-        parameters: &[
-            ParameterInfo::amplitude("north_nt", 0.1, 1000.0),
-            ParameterInfo::amplitude("east_nt", 0.1, 1000.0),
-            ParameterInfo::amplitude("down_nt", 0.1, 1000.0),
-        ],
-        needs: &[],
+        source: "Leliak 1961, Identification and evaluation of magnetic-field sources of MAD equipped aircraft, IRE \
+            Trans. ANE-8, 95",
+        parameters: amplitudes!(0.1 to 1000.0: "north_nt", "east_nt", "down_nt"),
+        ..About::of(Family::OutsideField, Place::Facility, Stage::Geo, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], _: &Surroundings<'_, T>) -> Result {
@@ -42,13 +32,8 @@ impl Effect for SoftIron {
         physics: "Iron near the coil takes on a magnetisation proportional to the field, and adds a field that is a \
             constant matrix times the coil's, fixed in GEO.",
         equation: "dB_geo = S B_geo 1e-6, S[row][column], row = component added",
-        source: SOURCE,
-        family: Family::OutsideField,
-        place: Place::Facility,
-        stage: Stage::Geo,
-        acts: Acts::Everything,
         parameters: MATRIX,
-        needs: &[],
+        ..HardIron::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], _: &Surroundings<'_, T>) -> Result {
@@ -58,17 +43,9 @@ impl Effect for SoftIron {
 }
 
 /// The nine elements of a matrix, row by row.
-pub(super) const MATRIX: &[ParameterInfo] = &[
-    ParameterInfo::amplitude("xx_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("xy_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("xz_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("yx_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("yy_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("yz_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("zx_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("zy_ppm", 1.0, 10_000.0),
-    ParameterInfo::amplitude("zz_ppm", 1.0, 10_000.0),
-];
+pub(super) const MATRIX: &[ParameterInfo] = amplitudes!(
+    1.0 to 10_000.0: "xx_ppm", "xy_ppm", "xz_ppm", "yx_ppm", "yy_ppm", "yz_ppm", "zx_ppm", "zy_ppm", "zz_ppm"
+);
 
 /// B + S B with S in ppm, row by row.
 pub(super) fn add_matrix<T: Real>(parameters: &[T], signal: &mut [Vector3<T>]) {

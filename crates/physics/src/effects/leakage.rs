@@ -40,12 +40,9 @@ impl Effect for NullingLeakage {
             left at the sensors.",
         equation: "dB_geo = (g L + f (U - L)) 1e-6, (1 + tau d/dt)(1 + r tau d/dt) L = U = outside - its reference, per axis",
         source: "NASA CR-156638, test of the Earth field nulling system",
-        family: Family::OutsideField,
-        place: Place::Facility,
-        stage: Stage::Geo,
-        acts: Acts::Everything,
         parameters: PARAMETERS.split_at(PARALLEL).0,
         needs: &["time_s", "outside_x_nt, outside_y_nt or outside_z_nt"],
+        ..About::of(Family::OutsideField, Place::Facility, Stage::Geo, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -1,16 +1,18 @@
 use super::prelude::*;
 use std::f64::consts::TAU;
 
-const SOURCE: &str =
-    "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice";
-
 /// One line in GEO: ΔB = s sin φ + c cos φ, φ = 2πf (t + (ρ − 1)(t − t₀)²/2T), t on the campaign's clock: over a
 /// recording that begins at t₀ and lasts T the frequency goes from f to ρ f. Samples are instantaneous, so
 /// that a line above the Nyquist frequency appears at its alias by itself; where `conditions.integration_s`
 /// says that they are means over w, the line is smaller by sin(πfw)/(πfw).
 macro_rules! line {
-    ($effect:ident, $name:literal, $doc:literal, $title:literal, $physics:literal, $low:literal, $high:literal) => {
-        #[doc = $doc]
+    (
+        $(#[$doc:meta])*
+        $effect:ident = $name:literal, $low:literal to $high:literal Hz,
+        title: $title:literal,
+        physics: $physics:literal,
+    ) => {
+        $(#[$doc])*
         pub struct $effect;
 
         impl Effect for $effect {
@@ -19,22 +21,15 @@ macro_rules! line {
                 title: $title,
                 physics: $physics,
                 equation: "dB_geo = s sin(2 pi f u) + c cos(2 pi f u), u = t + (rho - 1) (t - t_0)^2/2T, rho the end_ratio (1 where it is 0)",
-                source: SOURCE,
-                family: Family::Lines,
-                place: Place::Environment,
-                stage: Stage::Geo,
-                acts: Acts::Everything,
-                parameters: &[
-                    ParameterInfo::amplitude("north_sine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("north_cosine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("east_sine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("east_cosine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("down_sine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("down_cosine_nt", 0.01, 100.0),
+                source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice",
+                parameters: amplitudes!(
+                    0.01 to 100.0: "north_sine_nt", "north_cosine_nt", "east_sine_nt", "east_cosine_nt",
+                                   "down_sine_nt", "down_cosine_nt";
                     ParameterInfo::shape("frequency_hz", $low, $high),
-                    ParameterInfo::shape("end_ratio", 0.5, 2.0).or_zero(),
-                ],
+                    ParameterInfo::shape("end_ratio", 0.5, 2.0).or_zero()
+                ),
                 needs: &["time_s"],
+                ..About::of(Family::Lines, Place::Environment, Stage::Geo, Acts::Everything)
             };
 
             fn apply<T: Real>(
@@ -63,32 +58,23 @@ macro_rules! line {
     };
 }
 
-line!(
-    Mains,
-    "mains",
-    "Field of the mains at 50 or 60 Hz, or at a harmonic.",
-    "mains field",
-    "Currents of the power supply make a field at the mains' frequency and its harmonics, seen at an alias by a slow logger.",
-    40.0,
-    400.0
-);
+line! {
+    /// Field of the mains at 50 or 60 Hz, or at a harmonic.
+    Mains = "mains", 40.0 to 400.0 Hz,
+    title: "mains field",
+    physics: "Currents of the power supply make a field at the mains' frequency and its harmonics, seen at an alias by a slow logger.",
+}
 
-line!(
-    TractionPower,
-    "traction_power",
-    "Field of railway power at 16.7 Hz.",
-    "field of railway power",
-    "Currents of an electric railway flow in the rails and in the ground and make a field at the railway's frequency.",
-    15.0,
-    18.0
-);
+line! {
+    /// Field of railway power at 16.7 Hz.
+    TractionPower = "traction_power", 15.0 to 18.0 Hz,
+    title: "field of railway power",
+    physics: "Currents of an electric railway flow in the rails and in the ground and make a field at the railway's frequency.",
+}
 
-line!(
-    PeriodicField,
-    "periodic_field",
-    "Field of one frequency, whatever makes it.",
-    "periodic field of an unknown source",
-    "A machine, a power supply or a converter nearby makes a field of one frequency; a slow logger shows it at an alias, which does not say which.",
-    1e-6,
-    1e4
-);
+line! {
+    /// Field of one frequency, whatever makes it.
+    PeriodicField = "periodic_field", 1e-6 to 1e4 Hz,
+    title: "periodic field of an unknown source",
+    physics: "A machine, a power supply or a converter nearby makes a field of one frequency; a slow logger shows it at an alias, which does not say which.",
+}

@@ -24,29 +24,8 @@ mod surroundings;
 mod temperature;
 mod time;
 
-pub use axis::{AxisCreep, AxisTemperature};
-pub use bandwidth::{Delay, LoopBandwidth};
-pub use change_points::{Dropout, ReadingStep, Spike};
-pub use clock::{ClockOffset, ClockRate};
-pub use coil::{CoilHeating, CoilTemperature, EddyCurrents};
-pub use converter::{Clipping, DifferentialNonlinearity, Quantisation, Saturation};
-pub use cross_field::{CrossField, CrossFieldSensitivity};
-pub use dependence::Dependence;
-pub use empirical::{Empirical, chebyshev};
-pub use gradient::{CoilGradient, OffCentre, add_known_gradient};
-pub use hysteresis::{Hysteresis, Perming};
-pub use inflection::OffsetTemperatureInflection;
-pub use iron::{HardIron, SoftIron};
-pub use leakage::{NullingLeakage, NullingLeakageAcross};
-pub use lines::{Mains, PeriodicField, TractionPower};
-pub use nonlinearity::{CubicNonlinearity, QuadraticNonlinearity};
-pub use sites::{InductionDifference, MeasuredTilt, PillarGradient, PillarSettling, PillarTilt};
-pub use spacecraft::{ReactionWheel, ReactionWheelHarmonic, StrayCurrent};
-pub use sun::{SunThermoelectric, SunThermoelectricHarmonics};
-pub use surroundings::{VehiclePass, WorkingHours, machines_run};
-pub use temperature::{
-    OffsetElectronicsTemperature, OffsetElectronicsTemperatureLag, OffsetTemperature, OffsetTemperatureLag,
-    SensitivityElectronicsTemperature, SensitivityElectronicsTemperatureLag, SensitivityTemperature,
-    SensitivityTemperatureLag,
+pub use self::{
+    axis::*, bandwidth::*, change_points::*, clock::*, coil::*, converter::*, cross_field::*, dependence::*,
+    empirical::*, gradient::*, hysteresis::*, inflection::*, iron::*, leakage::*, lines::*, nonlinearity::*,
+    sites::*, spacecraft::*, sun::*, surroundings::*, temperature::*, time::*,
 };
-pub use time::{Ageing, SensitivityAgeing, WarmUp};

@@ -1,8 +1,5 @@
 use super::prelude::*;
 
-const SOURCE: &str = "NASA CR-156638, sensor sensitivity and nonlinearity; Auster et al. 2008, The THEMIS \
-    fluxgate magnetometer, Space Sci. Rev. 141, 235";
-
 /// ΔB = a (B / 50 000 nT)², nT along the sensor.
 pub struct QuadraticNonlinearity;
 
@@ -13,13 +10,10 @@ impl Effect for QuadraticNonlinearity {
         physics: "The loop's gain or the core's permeability differs for the two directions of the field, so that \
             the reading has a part that is even in the field.",
         equation: "dB = a (B / 50000 nT)^2",
-        source: SOURCE,
-        family: Family::OwnField,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
+        source: "NASA CR-156638, sensor sensitivity and nonlinearity; Auster et al. 2008, The THEMIS \
+            fluxgate magnetometer, Space Sci. Rev. 141, 235",
         parameters: &[ParameterInfo::amplitude("departure_nt", 0.1, 100.0)],
-        needs: &[],
+        ..About::of(Family::OwnField, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -38,13 +32,7 @@ impl Effect for CubicNonlinearity {
         physics: "The feedback current or the core falls short towards the ends of the range, alike in both \
             directions of the field.",
         equation: "dB = a (B / 50000 nT)^3",
-        source: SOURCE,
-        family: Family::OwnField,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
-        parameters: &[ParameterInfo::amplitude("departure_nt", 0.1, 100.0)],
-        needs: &[],
+        ..QuadraticNonlinearity::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -54,8 +42,7 @@ impl Effect for CubicNonlinearity {
 }
 
 fn power<T: Real>(departure: T, exponent: i32, signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) {
-    for value in signal {
-        let own = &mut value[around.axis.index()];
+    for own in around.own(signal) {
         *own += departure * (*own / FULL_NT).powi(exponent);
     }
 }

@@ -4,6 +4,14 @@ pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Stage, Surrou
 pub use crate::{Context, Family, Real, Result};
 pub use nalgebra::Vector3;
 
+/// Parameters: amplitudes of one range by their names, then what else there is.
+macro_rules! amplitudes {
+    ($low:literal to $high:literal: $($name:expr),+ $(; $($other:expr),+)?) => {
+        &[$(ParameterInfo::amplitude($name, $low, $high),)+ $($($other),+)?]
+    };
+}
+pub(super) use amplitudes;
+
 /// Field to which coefficients of powers refer, nT.
 pub const FULL_NT: f64 = 50_000.0;
 /// Seconds in a day.

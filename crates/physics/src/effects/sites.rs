@@ -1,8 +1,12 @@
 use super::iron::{MATRIX, add_matrix};
 use super::prelude::*;
+use super::temperature::late_warmth;
 use crate::context::Thermometer;
 use crate::frames::ARCSEC;
 use crate::memory::{Before, Signal};
+
+const FOUNDATIONS: &str = "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
+    foundation movements, Phys. Earth Planet. Inter. 59, 78";
 
 /// ΔB = G B at the test instrument, G in ppm: what the field at its pillar differs from the reference's in
 /// proportion.
@@ -17,12 +21,9 @@ impl Effect for PillarGradient {
         equation: "dB_test = G B_reference 1e-6, G[row][column], row = component added",
         source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice (pillar \
             differences)",
-        family: Family::Position,
-        place: Place::Sites,
-        stage: Stage::Block,
-        acts: Acts::Everything,
         parameters: MATRIX,
         needs: &["a differential recording"],
+        ..About::of(Family::Position, Place::Sites, Stage::Block, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], _: &Surroundings<'_, T>) -> Result {
@@ -43,32 +44,20 @@ impl Effect for InductionDifference {
             pillars of one house, by tenths of it where a coast or a fault lies between.",
         equation: "dB = C (B - L) 1e-6, tau dL/dt = B - L, C[row][column], row = component added",
         source: "Parkinson 1959, Directions of rapid geomagnetic fluctuations, Geophys. J. 2, 1",
-        family: Family::LateResponse,
-        place: Place::Sites,
-        stage: Stage::Block,
-        acts: Acts::Everything,
-        parameters: &[
-            MATRIX[0].up_to(100_000.0),
-            MATRIX[1].up_to(100_000.0),
-            MATRIX[2].up_to(100_000.0),
-            MATRIX[3].up_to(100_000.0),
-            MATRIX[4].up_to(100_000.0),
-            MATRIX[5].up_to(100_000.0),
-            MATRIX[6].up_to(100_000.0),
-            MATRIX[7].up_to(100_000.0),
-            MATRIX[8].up_to(100_000.0),
-            ParameterInfo::shape("time_constant_s", 1.0, 100_000.0),
-        ],
+        parameters: amplitudes!(
+            1.0 to 100_000.0: "xx_ppm", "xy_ppm", "xz_ppm", "yx_ppm", "yy_ppm", "yz_ppm", "zx_ppm", "zy_ppm",
+                              "zz_ppm";
+            ParameterInfo::shape("time_constant_s", 1.0, 100_000.0)
+        ),
         needs: &["time_s", "a differential recording"],
+        ..About::of(Family::LateResponse, Place::Sites, Stage::Block, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let time = around.context.times(Self::ABOUT.name)?;
         let matrix = nalgebra::Matrix3::from_row_slice(&parameters[..9]);
-        let lagged: [Vec<T>; 3] = std::array::from_fn(|axis| {
-            let series = Signal::new(time, signal.iter().map(|field| field[axis]).collect());
-            series.lagged(parameters[9], Before::Moving)
-        });
+        let lagged =
+            [0, 1, 2].map(|axis| Signal::of(time, signal, axis).lagged(parameters[9], Before::Moving));
         for (row, field) in signal.iter_mut().enumerate() {
             let faster = *field - Vector3::new(lagged[0][row], lagged[1][row], lagged[2][row]);
             *field += matrix * faster * T::from(1e-6);
@@ -87,25 +76,17 @@ impl Effect for PillarTilt {
         physics: "The pillar or its foundation warms unevenly and tilts, and the horizontal sensors take in a part of \
             the vertical field.",
         equation: "dB = -omega x B, omega = (a, b, 0) (T_lag - T_ref), tau dT_lag/dt = T_S - T_lag",
-        source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
-            foundation movements, Phys. Earth Planet. Inter. 59, 78",
-        family: Family::Time,
-        place: Place::Sites,
-        stage: Stage::Block,
-        acts: Acts::Everything,
-        parameters: &[
-            ParameterInfo::amplitude("about_x_arcsec_per_k", 0.05, 50.0),
-            ParameterInfo::amplitude("about_y_arcsec_per_k", 0.05, 50.0),
-            ParameterInfo::shape("lag_s", 10.0, 1_000_000.0),
-        ],
+        source: FOUNDATIONS,
+        parameters: amplitudes!(
+            0.05 to 50.0: "about_x_arcsec_per_k", "about_y_arcsec_per_k";
+            ParameterInfo::shape("lag_s", 10.0, 1_000_000.0)
+        ),
         needs: &["time_s", Thermometer::Sensor.column()],
+        ..About::of(Family::Time, Place::Sites, Stage::Block, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
-        let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
-        let warmer = column.iter().map(|t| T::from(t - reference)).collect();
-        let warmer = Signal::new(time, warmer).lagged(parameters[2], Before::Equilibrium);
+        let warmer = late_warmth(around.context, Thermometer::Sensor, Self::ABOUT.name, parameters[2])?;
         tilt(parameters, |row| warmer[row], signal);
         Ok(())
     }
@@ -120,17 +101,10 @@ impl Effect for PillarSettling {
         title: "pillar settles",
         physics: "The foundation gives way slowly and the pillar tilts more each day.",
         equation: "dB = -omega x B, omega = (a, b, 0) t",
-        source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
-            foundation movements, Phys. Earth Planet. Inter. 59, 78",
-        family: Family::Time,
-        place: Place::Sites,
-        stage: Stage::Block,
-        acts: Acts::Everything,
-        parameters: &[
-            ParameterInfo::amplitude("about_x_arcsec_per_day", 0.01, 20.0),
-            ParameterInfo::amplitude("about_y_arcsec_per_day", 0.01, 20.0),
-        ],
+        source: FOUNDATIONS,
+        parameters: amplitudes!(0.01 to 20.0: "about_x_arcsec_per_day", "about_y_arcsec_per_day"),
         needs: &["time_s"],
+        ..About::of(Family::Time, Place::Sites, Stage::Block, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -151,14 +125,10 @@ impl Effect for MeasuredTilt {
         physics: "The ground or the pillar tilts, the tiltmeters beside the sensors see it, and the horizontal sensors take in \
             a part of the vertical field.",
         equation: "dB = -g 1e-6 omega x B, omega = (tilt_x, tilt_y, 0)",
-        source: "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
-            foundation movements, Phys. Earth Planet. Inter. 59, 78",
-        family: Family::FollowsColumn,
-        place: Place::Environment,
-        stage: Stage::Block,
-        acts: Acts::Everything,
+        source: FOUNDATIONS,
         parameters: &[ParameterInfo::amplitude("gain_ppm", 100_000.0, 2_000_000.0)],
         needs: &["tilt_x_rad", "tilt_y_rad"],
+        ..About::of(Family::FollowsColumn, Place::Environment, Stage::Block, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

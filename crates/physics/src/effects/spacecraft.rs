@@ -13,16 +13,9 @@ impl Effect for StrayCurrent {
             proportion, fixed to the spacecraft.",
         equation: "dB_sen = c I",
         source: "Olsen et al. 2020, Magnetic observations from CryoSat-2: calibration and processing of satellite platform magnetometer data, Earth Planets Space 72, 48",
-        family: Family::FollowsColumn,
-        place: Place::Spacecraft,
-        stage: Stage::Block,
-        acts: Acts::WithColumn("_a"),
-        parameters: &[
-            ParameterInfo::amplitude("x_nt_per_a", 0.1, 10_000.0),
-            ParameterInfo::amplitude("y_nt_per_a", 0.1, 10_000.0),
-            ParameterInfo::amplitude("z_nt_per_a", 0.1, 10_000.0),
-        ],
+        parameters: amplitudes!(0.1 to 10_000.0: "x_nt_per_a", "y_nt_per_a", "z_nt_per_a"),
         needs: &["a housekeeping column in A"],
+        ..About::of(Family::FollowsColumn, Place::Spacecraft, Stage::Block, Acts::WithColumn("_a"))
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -37,8 +30,13 @@ impl Effect for StrayCurrent {
 
 /// Waves of a rotor: ΔB = s sin φ + c cos φ in SEN, dφ/dt = 2π n f, f a housekeeping column in Hz.
 macro_rules! rotor {
-    ($effect:ident, $name:literal, $doc:literal, $title:literal, $equation:literal, $multiple:literal) => {
-        #[doc = $doc]
+    (
+        $(#[$doc:meta])*
+        $effect:ident = $name:literal, $multiple:literal f,
+        title: $title:literal,
+        equation: $equation:literal,
+    ) => {
+        $(#[$doc])*
         pub struct $effect;
 
         impl Effect for $effect {
@@ -50,19 +48,12 @@ macro_rules! rotor {
                 equation: $equation,
                 source: "Pope et al. 2011, Exploring planetary magnetic environments using magnetically unclean spacecraft: a \
                     systems approach to VEX MAG data analysis, Ann. Geophys. 29, 639",
-                family: Family::Lines,
-                place: Place::Spacecraft,
-                stage: Stage::Block,
-                acts: Acts::WithColumn("_hz"),
-                parameters: &[
-                    ParameterInfo::amplitude("x_sine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("x_cosine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("y_sine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("y_cosine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("z_sine_nt", 0.01, 100.0),
-                    ParameterInfo::amplitude("z_cosine_nt", 0.01, 100.0),
-                ],
+                parameters: amplitudes!(
+                    0.01 to 100.0: "x_sine_nt", "x_cosine_nt", "y_sine_nt", "y_cosine_nt", "z_sine_nt",
+                                   "z_cosine_nt"
+                ),
                 needs: &["time_s", "a housekeeping column in Hz"],
+                ..About::of(Family::Lines, Place::Spacecraft, Stage::Block, Acts::WithColumn("_hz"))
             };
 
             fn apply<T: Real>(
@@ -87,20 +78,16 @@ macro_rules! rotor {
     };
 }
 
-rotor!(
-    ReactionWheel,
-    "reaction_wheel",
-    "The wheel's own speed, n = 1.",
-    "field of a reaction wheel",
-    "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 2 pi f",
-    1.0
-);
+rotor! {
+    /// The wheel's own speed, n = 1.
+    ReactionWheel = "reaction_wheel", 1.0 f,
+    title: "field of a reaction wheel",
+    equation: "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 2 pi f",
+}
 
-rotor!(
-    ReactionWheelHarmonic,
-    "reaction_wheel_harmonic",
-    "Twice the wheel's speed, n = 2.",
-    "second harmonic of a reaction wheel",
-    "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 4 pi f",
-    2.0
-);
+rotor! {
+    /// Twice the wheel's speed, n = 2.
+    ReactionWheelHarmonic = "reaction_wheel_harmonic", 2.0 f,
+    title: "second harmonic of a reaction wheel",
+    equation: "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 4 pi f",
+}

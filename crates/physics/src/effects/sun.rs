@@ -1,39 +1,27 @@
 //! What the Sun does to a spacecraft: a field in SEN that depends on its direction and vanishes in eclipse.
 
 use super::prelude::*;
-use std::borrow::Cow;
 
-/// The direction of the Sun row by row, and whether it shines.
-struct Sun<'a> {
-    azimuth: Cow<'a, [f64]>,
-    elevation: Option<Cow<'a, [f64]>>,
-    sunlit: Option<Cow<'a, [f64]>>,
-    eclipse: Option<Cow<'a, [f64]>>,
-}
-
-impl<'a> Sun<'a> {
-    fn of(context: &Context<'a>, who: &str) -> Result<Self> {
-        let azimuth = context.angle("sun_azimuth");
-        Ok(Self {
-            azimuth: azimuth.ok_or_else(|| context.missing(who, "the column `sun_azimuth_rad`"))?,
-            elevation: context.angle("sun_elevation"),
-            sunlit: context.optional("sunlit"),
-            eclipse: context.optional("eclipse"),
-        })
-    }
-
-    /// 1 in the Sun, 0 in eclipse.
-    fn lit(&self, row: usize) -> f64 {
-        match (&self.sunlit, &self.eclipse) {
+/// Row by row whether the Sun shines, 1, or is eclipsed, 0, and its azimuth and elevation, rad.
+fn sun<'a>(context: &Context<'a>, who: &str) -> Result<impl Fn(usize) -> (f64, [f64; 2]) + use<'a>> {
+    let azimuth = context.angle("sun_azimuth");
+    let azimuth = azimuth.ok_or_else(|| context.missing(who, "the column `sun_azimuth_rad`"))?;
+    let elevation = context.angle("sun_elevation");
+    let (sunlit, eclipse) = (context.optional("sunlit"), context.optional("eclipse"));
+    Ok(move |row| {
+        let lit = match (&sunlit, &eclipse) {
             (Some(sunlit), _) => sunlit[row],
             (None, Some(eclipse)) => 1.0 - eclipse[row],
             (None, None) => 1.0,
-        }
-    }
+        };
+        (lit, [azimuth[row], elevation.as_ref().map_or(0.0, |angle| angle[row])])
+    })
+}
 
-    /// Azimuth and elevation, rad.
-    fn direction(&self, row: usize) -> [f64; 2] {
-        [self.azimuth[row], self.elevation.as_ref().map_or(0.0, |angle| angle[row])]
+/// Adds to each component of a field its coefficients times what there is of each.
+fn add<T: Real, const N: usize>(parameters: &[T], seen: [f64; N], field: &mut Vector3<T>) {
+    for (component, coefficients) in field.iter_mut().zip(parameters.chunks_exact(N)) {
+        coefficients.iter().zip(seen).for_each(|(coefficient, seen)| *component += *coefficient * seen);
     }
 }
 
@@ -51,40 +39,22 @@ impl Effect for SunThermoelectric {
         equation: "dB_sen = sunlit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el))",
         source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
             package, Earth Planets Space 68, 129",
-        family: Family::FollowsColumn,
-        place: Place::Spacecraft,
-        stage: Stage::Block,
-        acts: Acts::Everything,
-        parameters: &[
-            ParameterInfo::amplitude("x_lit_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("x_cosine_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("x_sine_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("x_up_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("y_lit_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("y_cosine_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("y_sine_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("y_up_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("z_lit_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("z_cosine_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("z_sine_nt", 0.05, 20.0),
-            ParameterInfo::amplitude("z_up_nt", 0.05, 20.0),
-        ],
+        parameters: amplitudes!(
+            0.05 to 20.0: "x_lit_nt", "x_cosine_nt", "x_sine_nt", "x_up_nt",
+                          "y_lit_nt", "y_cosine_nt", "y_sine_nt", "y_up_nt",
+                          "z_lit_nt", "z_cosine_nt", "z_sine_nt", "z_up_nt"
+        ),
         needs: &["sun_azimuth_rad"],
+        ..About::of(Family::FollowsColumn, Place::Spacecraft, Stage::Block, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let sun = Sun::of(around.context, Self::ABOUT.name)?;
+        let sun = sun(around.context, Self::ABOUT.name)?;
         for (row, field) in signal.iter_mut().enumerate() {
-            let lit = sun.lit(row);
-            let [azimuth, elevation] = sun.direction(row);
+            let (lit, [azimuth, elevation]) = sun(row);
             let (up, level) = elevation.sin_cos();
             let (sine, cosine) = azimuth.sin_cos();
-            let seen = [lit, lit * level * cosine, lit * level * sine, lit * up];
-            for axis in 0..3 {
-                for (number, seen) in seen.iter().enumerate() {
-                    field[axis] += parameters[4 * axis + number] * *seen;
-                }
-            }
+            add(parameters, [lit, lit * level * cosine, lit * level * sine, lit * up], field);
         }
         Ok(())
     }
@@ -140,26 +110,15 @@ impl Effect for SunThermoelectricHarmonics {
         physics: "What the Sun heats, and the currents that flow for it, depend on the shape of the spacecraft and its shadows: the \
             field is a smooth function of the Sun's direction and vanishes in eclipse.",
         equation: "dB_sen = sunlit sum_nm P_nm(sin el) (c_nm cos(m az) + s_nm sin(m az)), n = 0..4, P_nm after Schmidt",
-        source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry \
-            package, Earth Planets Space 68, 129",
-        family: Family::FollowsColumn,
-        place: Place::Spacecraft,
-        stage: Stage::Block,
-        acts: Acts::Everything,
         parameters: harmonics!("x", "y", "z"),
-        needs: &["sun_azimuth_rad"],
+        ..SunThermoelectric::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let sun = Sun::of(around.context, Self::ABOUT.name)?;
+        let sun = sun(around.context, Self::ABOUT.name)?;
         for (row, field) in signal.iter_mut().enumerate() {
-            let lit = sun.lit(row);
-            let seen = harmonics_at(sun.direction(row));
-            for axis in 0..3 {
-                for (coefficient, seen) in parameters[HARMONICS * axis..].iter().zip(&seen) {
-                    field[axis] += *coefficient * (lit * *seen);
-                }
-            }
+            let (lit, direction) = sun(row);
+            add(parameters, harmonics_at(direction).map(|seen| lit * seen), field);
         }
         Ok(())
     }

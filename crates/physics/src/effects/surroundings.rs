@@ -1,12 +1,6 @@
 use super::prelude::*;
 use common::time::{hour_of_day, is_weekday};
 
-const VECTOR: [ParameterInfo; 3] = [
-    ParameterInfo::amplitude("north_nt", 0.1, 200.0),
-    ParameterInfo::amplitude("east_nt", 0.1, 200.0),
-    ParameterInfo::amplitude("down_nt", 0.1, 200.0),
-];
-
 /// A dipole on a straight line at constant speed, nearest at t₀: ΔB = (u + v x + w x²) / (1 + x²)^(5/2) in
 /// GEO, x = (t − t₀)/d the way over the smallest distance; u, v, w follow from the moment and the line.
 pub struct VehiclePass;
@@ -19,24 +13,14 @@ impl Effect for VehiclePass {
         equation: "dB_geo = (u + v x + w x^2) / (1 + x^2)^(5/2), x = (t - t0) / d",
         source: "Jackson, Classical Electrodynamics (field of a dipole); Jankowski and Sucksdorff 1996, IAGA Guide for \
             Magnetic Measurements and Observatory Practice",
-        family: Family::Moments,
-        place: Place::Environment,
-        stage: Stage::Geo,
-        acts: Acts::Everything,
-        parameters: &[
-            ParameterInfo::amplitude("north_first_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("east_first_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("down_first_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("north_second_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("east_second_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("down_second_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("north_third_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("east_third_nt", 0.1, 200.0),
-            ParameterInfo::amplitude("down_third_nt", 0.1, 200.0),
-            ParameterInfo::epoch("time_s"),
-            ParameterInfo::shape("duration_s", 1.0, 1000.0),
-        ],
+        parameters: amplitudes!(
+            0.1 to 200.0: "north_first_nt", "east_first_nt", "down_first_nt",
+                          "north_second_nt", "east_second_nt", "down_second_nt",
+                          "north_third_nt", "east_third_nt", "down_third_nt";
+            ParameterInfo::epoch("time_s"), ParameterInfo::shape("duration_s", 1.0, 1000.0)
+        ),
         needs: &["time_s"],
+        ..About::of(Family::Moments, Place::Environment, Stage::Geo, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -70,12 +54,11 @@ impl Effect for WorkingHours {
         equation: "dB_geo = v from Monday to Friday, 7 h + s to 17 h - s by the clock of `start`",
         source: "NASA CR-156638, test of the Earth field nulling system (site conditions); Lowes 2009, DC railways and \
             the magnetic fields they produce, Earth Planets Space 61, i",
-        family: Family::Time,
-        place: Place::Environment,
-        stage: Stage::Geo,
-        acts: Acts::Everything,
-        parameters: &[VECTOR[0], VECTOR[1], VECTOR[2], ParameterInfo::span("slack_s", 60.0, 3600.0)],
+        parameters: amplitudes!(
+            0.1 to 200.0: "north_nt", "east_nt", "down_nt"; ParameterInfo::span("slack_s", 60.0, 3600.0)
+        ),
         needs: &["time_s", "start"],
+        ..About::of(Family::Time, Place::Environment, Stage::Geo, Acts::Everything)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -11,22 +11,18 @@ impl Effect for WarmUp {
             goes to its final value exponentially.",
         equation: "dB = a exp(-t / tau)",
         source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice",
-        family: Family::Time,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
         parameters: &[
             ParameterInfo::amplitude("amplitude_nt", 0.1, 100.0),
             ParameterInfo::shape("time_constant_s", 60.0, 100_000.0),
         ],
         needs: &["time_s"],
+        ..About::of(Family::Time, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
-        for (value, t) in signal.iter_mut().zip(clock) {
-            value[around.axis.index()] += parameters[0] * (-parameters[1].recip() * t).exp();
-        }
+        let decayed = |t: f64| parameters[0] * (-parameters[1].recip() * t).exp();
+        around.own(signal).zip(clock).for_each(|(own, t)| *own += decayed(t));
         Ok(())
     }
 }
@@ -42,19 +38,14 @@ impl Effect for Ageing {
             campaign.",
         equation: "dB = b t",
         source: "NASA CR-156638, temporal drift in sensor offset",
-        family: Family::Time,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("rate_nt_per_day", 0.0005, 5.0)],
         needs: &["time_s"],
+        ..About::of(Family::Time, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
-        for (value, t) in signal.iter_mut().zip(clock) {
-            value[around.axis.index()] += parameters[0] * (t / DAY_S);
-        }
+        around.own(signal).zip(clock).for_each(|(own, t)| *own += parameters[0] * (t / DAY_S));
         Ok(())
     }
 }
@@ -70,20 +61,15 @@ impl Effect for SensitivityAgeing {
         equation: "dB = B b t 1e-6",
         source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth \
             Planets Space 68, 129",
-        family: Family::Time,
-        place: Place::Sensor,
-        stage: Stage::Sensor,
-        acts: Acts::OneSensor,
         parameters: &[ParameterInfo::amplitude("rate_ppm_per_day", 0.001, 100.0)],
         needs: &["time_s"],
+        ..About::of(Family::Time, Place::Sensor, Stage::Sensor, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let clock = around.context.clock(Self::ABOUT.name)?;
-        for (value, t) in signal.iter_mut().zip(clock) {
-            let own = &mut value[around.axis.index()];
-            *own += *own * parameters[0] * (t / DAY_S * 1e-6);
-        }
+        let grown = |own: T, t: f64| own * parameters[0] * (t / DAY_S * 1e-6);
+        around.own(signal).zip(clock).for_each(|(own, t)| *own += grown(*own, t));
         Ok(())
     }
 }

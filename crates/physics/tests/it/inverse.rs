@@ -21,15 +21,18 @@ fn document(rows: usize) -> Document {
     Document::parse(&json.to_string()).expect("a document")
 }
 
+fn setting(document: &Document) -> (Basic, Context<'_>) {
+    let context = Context::new(document, &document.recordings[0], References::of(document));
+    (Basic::of(document, Unit::Volt), context.expect("a context"))
+}
+
 fn effect(kind: Kind, axis: Option<Axis>, parameters: &[f64]) -> EffectInstance {
     EffectInstance::new(kind, axis, parameters.to_vec())
 }
 
 /// The rows that are found, and by how much the worst of them misses the true field, nT.
 fn round_trip(document: &Document, effects: &[EffectInstance]) -> (Vec<Row>, f64) {
-    let references = References::of(document);
-    let context = Context::new(document, &document.recordings[0], references).expect("a context");
-    let basic = Basic::of(document, Unit::Volt);
+    let (basic, context) = setting(document);
     let prediction = physics::predict(&basic, effects, &context).expect("predicted");
     let solved = Inverter::new(&basic, effects, &context)
         .and_then(|inverter| inverter.field(&prediction.readings))
@@ -44,7 +47,6 @@ fn lags_longer_than_a_step_are_taken_out() {
     for lag_s in [0.01, 0.3, 1.0, 3.0, 10.0] {
         let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[lag_s, 0.0])]);
         let lost = rows.iter().filter(|row| **row != Row::Found).count();
-        println!("lag of {lag_s} steps: {off:.1e} nT, {lost} rows not found");
         assert!(off < 1e-6 && lost == 0, "{lag_s}: {off} {lost}");
     }
     // Two lags, the second 0.4 times the first: all rows up to a third of a step; of longer ones some rows are not found,
@@ -52,7 +54,6 @@ fn lags_longer_than_a_step_are_taken_out() {
     for lag_s in [0.01, 0.3, 1.0, 3.0] {
         let (rows, off) = round_trip(&document, &[effect(Kind::LoopBandwidth, Some(Axis::Y), &[lag_s, 0.4])]);
         let lost = rows.iter().filter(|row| **row != Row::Found).count();
-        println!("two lags of {lag_s} steps: {off:.1e} nT, {lost} rows not found");
         assert!(off < 1e-6 && (lost == 0) == (lag_s < 0.5) && lost < 100, "{lag_s}: {off} {lost}");
     }
     // What a lag of very many steps leaves of a change from row to row cannot be told from rounding; no row
@@ -69,7 +70,6 @@ fn delays_longer_than_a_step_are_taken_out_but_for_the_rows_that_were_read_too_l
             let axis = (kind == Kind::Delay).then_some(Axis::X);
             let (rows, off) = round_trip(&document, &[effect(kind, axis, &[delay_s])]);
             let lost = rows.iter().filter(|row| **row != Row::Found).count();
-            println!("{} of {delay_s} steps: {off:.1e} nT, {lost} rows not found", kind.name());
             // Those after the last moment that was read, and beside a gap those that no reading is near.
             assert!(off < 1e-6 && (lost as f64) < 5.0 * delay_s + 60.0, "{delay_s}: {off} {lost}");
         }
@@ -79,9 +79,7 @@ fn delays_longer_than_a_step_are_taken_out_but_for_the_rows_that_were_read_too_l
 #[test]
 fn a_reading_beyond_saturation_is_said_to_have_no_field() {
     let document = document(100);
-    let references = References::of(&document);
-    let context = Context::new(&document, &document.recordings[0], references).expect("a context");
-    let basic = Basic::of(&document, Unit::Volt);
+    let (basic, context) = setting(&document);
     let effects = [effect(Kind::Saturation, Some(Axis::X), &[52_000.0, 8.0])];
     let mut readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
     let truth = physics::predict(&basic, &effects, &context).expect("predicted").field_sen;
@@ -101,9 +99,7 @@ fn a_reading_beyond_saturation_is_said_to_have_no_field() {
 #[test]
 fn derivatives_agree_with_differences() {
     let document = document(60);
-    let references = References::of(&document);
-    let context = Context::new(&document, &document.recordings[0], references).expect("a context");
-    let basic = Basic::of(&document, Unit::Volt);
+    let (basic, context) = setting(&document);
     let effects = [
         effect(Kind::SensitivityTemperature, Some(Axis::X), &[28.0, 0.5]),
         effect(Kind::CrossField, Some(Axis::Y), &[5.0, 3.0, 2.0]),
@@ -111,27 +107,24 @@ fn derivatives_agree_with_differences() {
     ];
     let readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
     let solve = |basic: &Basic, effects: &[EffectInstance]| {
-        let solved =
-            Inverter::new(basic, effects, &context).expect("an inverter").field(&readings).expect("solved");
-        (solved.field_sen.clone(), solved.rows.clone())
+        Inverter::new(basic, effects, &context)
+            .expect("an inverter")
+            .field(&readings)
+            .expect("solved")
+            .field_sen
     };
     let solved =
         Inverter::new(&basic, &effects, &context).expect("an inverter").field(&readings).expect("solved");
     assert!(solved.rows.iter().all(|row| *row == Row::Found));
-    let check = |name: &str,
-                 found: Vec<Vector3<f64>>,
-                 step: f64,
-                 ahead: Vec<Vector3<f64>>,
-                 behind: Vec<Vector3<f64>>| {
+    let along =
+        |parameter: Parameter| solved.along(&[vec![(parameter, 1.0)]]).expect("a derivative").remove(0);
+    let check = |parameter: Parameter, step: f64, moved: &dyn Fn(f64) -> Vec<Vector3<f64>>| {
+        let found = along(parameter);
         let largest = found.iter().map(|row| row.amax()).fold(0.0, f64::max);
-        assert!(largest > 0.0, "{name}");
-        for row in 0..found.len() {
-            let numeric = (ahead[row] - behind[row]) / (2.0 * step);
-            assert!(
-                (numeric - found[row]).amax() < 1e-5 * largest,
-                "{name}, row {row}: {} {numeric}",
-                found[row]
-            );
+        assert!(largest > 0.0, "{parameter:?}");
+        for ((found, ahead), behind) in found.iter().zip(moved(step)).zip(moved(-step)) {
+            let numeric = (ahead - behind) / (2.0 * step);
+            assert!((numeric - found).amax() < 1e-5 * largest, "{parameter:?}: {found} {numeric}");
         }
     };
     for (parameter, step) in [(Parameter::Sensitivity(Axis::X), 0.1), (Parameter::SensorOffset(Axis::Z), 1.0)]
@@ -143,23 +136,19 @@ fn derivatives_agree_with_differences() {
                 Parameter::SensorOffset(axis) => basic.sensors[axis.index()].offset_nt += by,
                 _ => unreachable!("two parameters"),
             }
-            solve(&basic, &effects).0
+            solve(&basic, &effects)
         };
-        let found = solved.along(&[vec![(parameter, 1.0)]]).expect("a derivative").remove(0);
-        check(&format!("{parameter:?}"), found, step, moved(step), moved(-step));
+        check(parameter, step, &moved);
     }
     for (which, number, step) in [(0, 0, 0.1), (1, 2, 0.1), (2, 0, 1e-4)] {
         let moved = |by: f64| {
             let mut effects = effects.clone();
             effects[which].parameters[number] += by;
-            solve(&basic, &effects).0
+            solve(&basic, &effects)
         };
-        let found =
-            solved.along(&[vec![(Parameter::Effect(which, number), 1.0)]]).expect("a derivative").remove(0);
-        check(&format!("effect {which} {number}"), found, step, moved(step), moved(-step));
+        check(Parameter::Effect(which, number), step, &moved);
     }
-    let turned =
-        solved.along(&[vec![(Parameter::SensorTurn(Axis::X, 0), 1.0)]]).expect("a derivative").remove(0);
+    let turned = along(Parameter::SensorTurn(Axis::X, 0));
     assert!(turned.iter().all(|row| row.amax() < 70_000.0) && turned.iter().any(|row| row.amax() > 10_000.0));
     // Errors of the readings: with the lag the reading of z is worth less, and the errors of neighbours come
     // in.
@@ -176,9 +165,7 @@ fn derivatives_agree_with_differences() {
 fn errors_of_readings_spread_as_drawn_ones_do() {
     // The covariance of a chain that remembers against the spread of fields from readings with drawn errors.
     let document = document(40);
-    let references = References::of(&document);
-    let context = Context::new(&document, &document.recordings[0], references).expect("a context");
-    let basic = Basic::of(&document, Unit::Volt);
+    let (basic, context) = setting(&document);
     let effects = [effect(Kind::LoopBandwidth, Some(Axis::Z), &[0.8, 0.0])];
     let readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
     let inverter = Inverter::new(&basic, &effects, &context).expect("an inverter");

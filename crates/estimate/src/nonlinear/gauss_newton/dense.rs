@@ -91,9 +91,8 @@ const MOST: usize = 60;
 ///
 /// `weights`, one for each reading in 0..=1, multiply the squared residuals.
 ///
-/// # Errors
-///
-/// [`Error::NotConverged`] where no minimum is reached, [`Error::TooFew`] without rows or unknowns.
+/// Errors: [`Error::NotConverged`] where no minimum is reached, [`Error::TooFew`] without rows or
+/// unknowns.
 pub fn solve<P: Problem>(
     problem: &P,
     start: P::State,

@@ -150,9 +150,7 @@ const SHRINKS: f64 = 0.5;
 /// (1944) 164; D. W. Marquardt, J. SIAM 11 (1963) 431). What damping does is for the linear problem to say:
 /// see [`super::Directions`].
 ///
-/// # Errors
-///
-/// Those of the problem.
+/// Errors: those of the problem.
 pub fn minimise<D: Descent>(
     descent: &D,
     mut at: D::Point,

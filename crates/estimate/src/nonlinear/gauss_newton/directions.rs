@@ -41,9 +41,7 @@ impl Directions<Mat<f64>> {
     /// Of a matrix of many rows and a residual, by their products: faster where there are many more rows than
     /// unknowns, and blind to directions that show less than a millionth of what the columns do.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] for what is not finite.
+    /// Errors: [`Error::Decomposition`] for what is not finite.
     pub fn of_products(matrix: Mat<f64>, residual: &[f64]) -> Result<Self, Error> {
         let count = matrix.ncols();
         let lengths: Vec<f64> = (0..count)

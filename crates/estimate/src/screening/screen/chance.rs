@@ -31,9 +31,7 @@ impl Chance {
     /// draws at their 90 % point; so is the number of candidates. This keeps the far tail, of which no draws
     /// are at hand (max-T, Westfall and Young 1993, with a parametric tail).
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] for products that are not finite.
+    /// Errors: [`Error::Decomposition`] for products that are not finite.
     pub fn of(screen: &Screen, searches: &[Search], draws: &Mat<f64>) -> Result<Self, Error> {
         let (gains, ranks): (Vec<Vec<f64>>, Vec<f64>) = searches
             .par_iter()

@@ -69,7 +69,7 @@ impl Screen {
         Self::of_products(products.columns, products.total().as_ref(), products.rows())
     }
 
-    pub(super) fn of_products(columns: usize, total: MatRef<'_, f64>, rows: usize) -> Self {
+    fn of_products(columns: usize, total: MatRef<'_, f64>, rows: usize) -> Self {
         let mut screen = Self::empty(total[(columns, columns)], rows, 0);
         for i in 0..columns {
             let left = (0..=i).map(|j| total[(i, j)]).collect();
@@ -122,9 +122,7 @@ impl Screen {
     /// The same with a group of columns projected out of all others and of the residual (Frisch, Waugh and
     /// Lovell).
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] for products that are not finite.
+    /// Errors: [`Error::Decomposition`] for products that are not finite.
     pub fn given(&self, group: &[usize]) -> Result<Self, Error> {
         let part = Part::of(self, group)?;
         let last = self.columns();
@@ -160,9 +158,7 @@ impl Screen {
 
     /// Fits a group of columns to what is left of the residual.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] for products that are not finite.
+    /// Errors: [`Error::Decomposition`] for products that are not finite.
     pub fn gain(&self, group: &[usize]) -> Result<Gain, Error> {
         let part = Part::of(self, group)?;
         let along = part.directions.transpose() * Col::from_fn(group.len(), |i| self.along[group[i]]);
@@ -184,9 +180,7 @@ impl Screen {
     /// S the sum of squares and k the rank, until it no longer falls or there are twelve. `given` has those that are
     /// chosen projected out.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] for products that are not finite.
+    /// Errors: [`Error::Decomposition`] for products that are not finite.
     pub fn stepwise(
         &self,
         groups: &[&[usize]],
@@ -210,6 +204,21 @@ impl Screen {
             rest = given(&chosen)?;
         }
         Ok(chosen)
+    }
+}
+
+impl Products {
+    /// For each block the coefficients of `group` fitted to all other blocks. One that the others do not
+    /// determine is zero.
+    ///
+    /// Errors: [`Error::Decomposition`] for products that are not finite.
+    pub fn left_out(&self, group: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
+        let total = self.total();
+        let without = |block| {
+            let left: Mat<f64> = &total - block;
+            Ok(Screen::of_products(self.columns, left.as_ref(), 0).gain(group)?.coefficients)
+        };
+        self.blocks.iter().map(without).collect()
     }
 }
 

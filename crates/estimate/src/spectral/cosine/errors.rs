@@ -34,9 +34,7 @@ impl Errors {
     /// an exponential's size to 10 % for a time constant of a fiftieth of the series; for a three-hundredth
     /// it is up to 40 % too great.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Decomposition`] if the covariance is none.
+    /// Errors: [`Error::Decomposition`] if the covariance is none.
     pub fn of(noise: &WhittleFit, cosine: &Cosine) -> Result<Self, Error> {
         let (amplitude, exponent) = (noise.amplitude.value, noise.exponent.value);
         let white = noise.white_variances[0];

@@ -39,22 +39,26 @@ fn add(sum: &mut [f64], factor: f64, column: &[f64]) {
     sum.iter_mut().zip(column).for_each(|(sum, x)| *sum += factor * x);
 }
 
+/// (XᵀX)⁻¹.
+fn inverse<C: AsRef<[f64]>>(x: &[C]) -> Result<Mat<f64>, Error> {
+    let product = |i: usize, j: usize| dot(x[i].as_ref(), x[j].as_ref());
+    Ok(Positive::of(&Mat::from_fn(x.len(), x.len(), product))?.inverse)
+}
+
 /// Rows of which the products are summed at once: the numbers of all columns there stay near the processor.
 const BLOCK: usize = 1024;
 
 /// β = (Xᵀ C⁻¹ X)⁻¹ Xᵀ C⁻¹ y with the covariance (Xᵀ C⁻¹ X)⁻¹, columns and y being transforms.
 ///
-/// # Errors
-///
-/// [`Error::TooFew`] for no more coefficients than columns; [`Error::Decomposition`] where the columns depend
-/// on each other.
+/// Errors: [`Error::TooFew`] for no more coefficients than columns; [`Error::Decomposition`] where the
+/// columns depend on each other.
 pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regression, Error> {
     let unknowns = columns.len();
     if y.len() <= unknowns {
         return Err(Error::TooFew { found: y.len(), unknowns });
     }
     let x: Vec<Vec<f64>> = columns.iter().map(|column| errors.whiten(column)).collect();
-    let covariance = Positive::of(&Mat::from_fn(unknowns, unknowns, |i, j| dot(&x[i], &x[j])))?.inverse;
+    let covariance = inverse(&x)?;
     let whitened = errors.whiten(y);
     let (mut coefficients, mut influence) = (Vec::new(), Vec::new());
     for i in 0..unknowns {
@@ -65,19 +69,17 @@ pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regres
     }
     drop(x);
     let mut residual = y.to_vec();
-    columns
-        .iter()
-        .zip(&coefficients)
-        .for_each(|(column, coefficient)| add(&mut residual, -coefficient, column));
+    for (column, coefficient) in columns.iter().zip(&coefficients) {
+        add(&mut residual, -coefficient, column);
+    }
     let mut leverage = vec![0.0; y.len()];
     for from in (0..y.len()).step_by(BLOCK) {
         let rows = from..(from + BLOCK).min(y.len());
         for (i, column) in columns.iter().enumerate() {
             let mut along = [0.0; BLOCK];
-            columns
-                .iter()
-                .enumerate()
-                .for_each(|(j, x)| add(&mut along, covariance[(i, j)], &x[rows.clone()]));
+            for (j, x) in columns.iter().enumerate() {
+                add(&mut along, covariance[(i, j)], &x[rows.clone()]);
+            }
             let along = along.iter().zip(&column[rows.clone()]);
             leverage[rows.clone()].iter_mut().zip(along).for_each(|(h, (along, x))| *h += along * x);
         }
@@ -89,14 +91,11 @@ pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regres
 /// The same beside least squares, β = (XᵀX)⁻¹ Xᵀ y, with its covariance (XᵀX)⁻¹ (XᵀCX) (XᵀX)⁻¹ under these
 /// errors.
 ///
-/// # Errors
-///
-/// As [`weighted`].
+/// Errors: as [`weighted`].
 pub fn regress(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<SpectralFit, Error> {
     let unknowns = columns.len();
     let found = weighted(columns, y, errors)?;
-    let independent =
-        Positive::of(&Mat::from_fn(unknowns, unknowns, |i, j| dot(columns[i], columns[j])))?.inverse;
+    let independent = inverse(columns)?;
     let mut noisy = Mat::zeros(unknowns, unknowns);
     for (j, column) in columns.iter().enumerate() {
         let times = errors.times(column);
@@ -124,15 +123,10 @@ pub struct Projection {
 impl Projection {
     /// Beside `columns`, in y; all are transforms.
     ///
-    /// # Errors
-    ///
-    /// As [`weighted`].
+    /// Errors: as [`weighted`].
     pub fn of(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Self, Error> {
-        let unknowns = columns.len();
         let columns: Vec<Vec<f64>> = columns.iter().map(|column| errors.whiten(column)).collect();
-        let inverse =
-            Positive::of(&Mat::from_fn(unknowns, unknowns, |i, j| dot(&columns[i], &columns[j])))?.inverse;
-        Ok(Self { columns, inverse, y: errors.whiten(y) })
+        Ok(Self { inverse: inverse(&columns)?, columns, y: errors.whiten(y) })
     }
 
     /// A column, whitened, less what the others explain of it, of unit length; None where nothing is left.
@@ -154,8 +148,7 @@ impl Projection {
     /// on these.
     pub fn coefficients(&self, columns: &[&[f64]], errors: &Errors) -> Option<Vec<f64>> {
         let rests: Vec<Vec<f64>> = columns.iter().map(|column| self.rest(errors.whiten(column))).collect();
-        let products = Mat::from_fn(rests.len(), rests.len(), |i, j| dot(&rests[i], &rests[j]));
-        let inverse = Positive::of(&products).ok()?.inverse;
+        let inverse = inverse(&rests).ok()?;
         let right: Vec<f64> = rests.iter().map(|rest| dot(rest, &self.y)).collect();
         Some((0..rests.len()).map(|i| (0..rests.len()).map(|j| inverse[(i, j)] * right[j]).sum()).collect())
     }

@@ -49,16 +49,9 @@ pub struct Line {
     pub p_value: f64,
 }
 
-/// What is left without the lines.
-pub(super) struct Rest {
-    /// X_k, k = 0, 1, ….
-    pub transform: Vec<Complex<f64>>,
-    /// Ordinates that belong to a line.
-    pub left_out: Vec<bool>,
-}
-
-/// Takes the lines out of a transform X_k, k = 0 … below n/2, of `n` samples.
-pub(super) fn take_out(mut transform: Vec<Complex<f64>>, n: usize, length_s: f64) -> (Vec<Line>, Rest) {
+/// Takes the lines out of a transform X_k, k = 0 … below n/2, of `n` samples; and the ordinates that belong to
+/// them.
+pub(super) fn take_out(transform: &mut [Complex<f64>], n: usize, length_s: f64) -> (Vec<Line>, Vec<bool>) {
     let mut power: Vec<f64> = transform.iter().map(Complex::norm_sqr).collect();
     let mut left_out = vec![false; power.len()];
     left_out[0] = true;
@@ -72,15 +65,15 @@ pub(super) fn take_out(mut transform: Vec<Complex<f64>>, n: usize, length_s: f64
             // What leaked from a stronger line is gone by now.
             let p = any_of(sought, level.ln_p(&power, &left_out, k));
             if p < FALSE_LINE && found.len() < MOST {
-                let component = Component::fit(&transform, &level, n, k);
-                component.subtract(&mut transform, &mut power, &level, n);
+                let component = Component::fit(transform, &level, n, k);
+                component.subtract(transform, &mut power, &level, n);
                 found.push((component, p));
             }
         }
         if found.len() == before {
             break;
         }
-        fit_together(&mut found, &mut transform, &mut power, &level, n);
+        fit_together(&mut found, transform, &mut power, &level, n);
         for (component, _) in &found {
             leave_out(&mut left_out, component.order - TAKEN, component.order + TAKEN);
         }
@@ -101,7 +94,7 @@ pub(super) fn take_out(mut transform: Vec<Complex<f64>>, n: usize, length_s: f64
         amplitude: component.amplitude(),
         p_value: *p_value,
     };
-    (lines.iter().map(line).collect(), Rest { transform, left_out })
+    (lines.iter().map(line).collect(), left_out)
 }
 
 /// Whether a sine may be what a stronger line, whose frequency or amplitude is not steady, leaves beside it.

@@ -3,12 +3,34 @@
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 
-use super::mixture::Mixture;
+use crate::cross_spectrum::CrossSpectra;
 use crate::scoring::{Likelihood, Slope};
 use crate::whittle::{EXPONENTS, LONGEST};
 
 /// Multiplicative steps of a start.
 const START_STEPS: usize = 30;
+
+/// Series that are sums of independent sources.
+pub struct Mixture<'a> {
+    /// Their spectral matrices, of the whole series without a taper.
+    pub spectra: &'a CrossSpectra,
+    /// From one sample to the next, s.
+    pub step_s: f64,
+    /// What each source gives to each series.
+    pub columns: Vec<Vec<f64>>,
+    /// What is in them besides and is known.
+    pub known: Vec<KnownNoise>,
+}
+
+/// Sources of known noise, up to one factor with an uncertainty.
+pub struct KnownNoise {
+    /// What each gives to each series.
+    pub columns: Vec<Vec<f64>>,
+    /// Density of each at the frequencies of the spectra (unit²/Hz).
+    pub densities: Vec<Vec<f64>>,
+    /// Relative standard uncertainty of the densities, the same factor in all.
+    pub relative_std: f64,
+}
 
 /// θ: for each source the flicker at the lowest frequency f₀, its exponent, and the white variance of a
 /// reading; then the factor of what is known, of each group of it.

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 
 use faer::Mat;
 
-use super::white::White;
 use crate::Error;
 use crate::periodogram::Periodogram;
 use crate::scoring::{Likelihood, Slope};
@@ -14,6 +13,24 @@ use crate::scoring::{Likelihood, Slope};
 pub(crate) const EXPONENTS: (f64, f64) = (0.2, 2.5);
 /// Longest step in the exponent.
 pub(crate) const LONGEST: f64 = 0.5;
+
+/// What the white noise of all series has in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum White {
+    /// The rms of a reading, σ.
+    PerReading,
+    /// The density N, from which a reading of a series has the rms √(N/(2 Δt)).
+    Density,
+    /// Nothing: each series has its own rms of a reading.
+    Each,
+}
+
+impl White {
+    /// Density of a white variance of one (unit²/Hz) in readings `step_s` apart.
+    pub(super) fn density(self, step_s: f64) -> f64 {
+        if self == White::Density { 1.0 } else { 2.0 * step_s }
+    }
+}
 
 /// The bins of all series.
 pub(super) struct Data {

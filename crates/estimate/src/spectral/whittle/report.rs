@@ -4,8 +4,7 @@ use faer::Mat;
 
 use super::estimate::Estimate;
 use super::goodness::{Group, groups, p_value};
-use super::likelihood::{EXPONENTS, Model};
-use super::white::White;
+use super::likelihood::{EXPONENTS, Model, White};
 use crate::Error;
 use crate::scoring::{Likelihood, Optimum, fall_without, inverse, minimise, upper};
 
