@@ -1,6 +1,7 @@
 //! Noise that nobody declared, as a residual shows it beside what the fit has taken out of it.
 
 use common::{Document, Noise};
+use explain::thinned;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use noise::Whitening;
@@ -18,10 +19,14 @@ use crate::observed::Observed;
 const EXPONENTS: [f64; 3] = [1.0, 1.5, 2.0];
 const RATIOS: [f64; 5] = [-1.5, -0.5, 0.5, 1.5, 2.5];
 const AT: f64 = 0.05;
-/// How far beside the likeliest ratio others are tried then, one after the other.
-const BESIDE: [f64; 2] = [0.5, 0.25];
-/// Most rows of a channel that are looked at.
-const ROWS: usize = 4000;
+/// How far beside the likeliest ratio others are tried then, from the first distance to the last.
+const APART: f64 = 1.0;
+const FINEST: f64 = 0.25;
+/// By how much ln of the likelihood must be larger.
+const BETTER: f64 = 0.01;
+/// Of more rows of a channel so many are looked at, in so many blocks that are spread over all.
+const ROWS: usize = 1 << 13;
+const BLOCKS: usize = 16;
 /// How often all kinds of channels are gone through, and how often a scale is found anew for each law.
 const SWEEPS: usize = 2;
 const SCALINGS: usize = 3;
@@ -58,27 +63,30 @@ pub fn restricted(
     let products = |number: usize, law: Law| kinds[number].products(observed, (&basis, residual), law);
     let mut chosen = (0..kinds.len()).map(|number| products(number, None)).collect::<Result<Vec<_>, _>>()?;
     let mut tried: Vec<Vec<Products>> = chosen.iter().map(|white| vec![white.clone()]).collect();
+    let mut likeliest = |chosen: &mut Vec<Products>, number: usize, laws: Vec<Law>| -> Result<(), Error> {
+        let mut best = likelihood(chosen, number);
+        for law in laws {
+            let known = tried[number].iter().position(|other| other.law == law);
+            let place = known.unwrap_or(tried[number].len());
+            if known.is_none() {
+                tried[number].push(products(number, law)?);
+            }
+            let before = std::mem::replace(&mut chosen[number], tried[number][place].clone());
+            let log = likelihood(chosen, number);
+            if log > best + BETTER { best = log } else { chosen[number] = before }
+        }
+        Ok(())
+    };
     let grid = || EXPONENTS.iter().flat_map(|exponent| RATIOS.map(|ratio| Some((*exponent, ratio))));
     let timed = |number: &usize| kinds[*number].step_s > 0.0;
     for number in (0..SWEEPS).flat_map(|_| 0..kinds.len()).filter(timed) {
-        let mut best = likelihood(&mut chosen, number);
-        for apart in [None, Some(BESIDE[0]), Some(BESIDE[1])] {
-            let laws: Vec<Law> = match (apart, chosen[number].law) {
-                (None, _) => grid().chain([None]).collect(),
-                (Some(apart), Some((exponent, ratio))) => {
-                    vec![Some((exponent, ratio - apart)), Some((exponent, ratio + apart))]
-                }
-                (Some(_), None) => break,
-            };
-            for law in laws {
-                let known = tried[number].iter().position(|other| other.law == law);
-                let place = known.unwrap_or(tried[number].len());
-                if known.is_none() {
-                    tried[number].push(products(number, law)?);
-                }
-                let before = std::mem::replace(&mut chosen[number], tried[number][place].clone());
-                let log = likelihood(&mut chosen, number);
-                if log > best { best = log } else { chosen[number] = before }
+        likeliest(&mut chosen, number, grid().chain([None]).collect())?;
+        let mut apart = APART;
+        while let Some((exponent, ratio)) = chosen[number].law.filter(|_| apart >= FINEST) {
+            let beside = [ratio - apart, ratio + apart].map(|ratio| Some((exponent, ratio)));
+            likeliest(&mut chosen, number, beside.to_vec())?;
+            if chosen[number].law == Some((exponent, ratio)) {
+                apart *= 0.5;
             }
         }
     }
@@ -126,26 +134,27 @@ impl Kind<'_> {
         let width = basis.ncols() + 1;
         let (mut rows, mut log_determinant, mut gram) = (0.0, 0.0, Mat::<f64>::zeros(width, width));
         for channel in &self.channels {
-            let short =
-                Channel { rows: channel.rows.iter().copied().take(ROWS).collect(), ..(*channel).clone() };
-            let range = short.range();
-            let whitening: Whitening = whitening(observed, &short, &self.noise(law, 1.0), false)?;
-            let of = |column: usize| match column {
-                column if column + 1 == width => &residual[range.clone()],
-                column => &basis.col_as_slice(column)[range.clone()],
+            let kept = thinned(channel.rows.len(), ROWS, BLOCKS);
+            let rows_kept = kept.iter().map(|row| channel.rows[*row]).collect();
+            let some = Channel { rows: rows_kept, ..(*channel).clone() };
+            let whitening: Whitening = whitening(observed, &some, &self.noise(law, 1.0), false)?;
+            let of = |column: usize| -> Vec<f64> {
+                let all = if column + 1 == width { residual } else { basis.col_as_slice(column) };
+                kept.iter().map(|row| all[channel.at + row]).collect()
             };
-            let there: Vec<usize> =
-                (0..width).filter(|column| of(*column).iter().any(|x| *x != 0.0)).collect();
-            let mut white: Vec<Vec<f64>> = there.iter().map(|column| of(*column).to_vec()).collect();
+            let (there, mut white): (Vec<usize>, Vec<Vec<f64>>) = (0..width)
+                .map(|column| (column, of(column)))
+                .filter(|(_, values)| values.iter().any(|x| *x != 0.0))
+                .unzip();
             whitening.whiten_all(&mut white);
-            let white = Mat::from_fn(range.len(), there.len(), |i, j| white[j][i]);
+            let white = Mat::from_fn(kept.len(), there.len(), |i, j| white[j][i]);
             let own = white.transpose() * &white;
             for (i, row) in there.iter().enumerate() {
                 for (j, column) in there.iter().enumerate() {
                     gram[(*row, *column)] += own[(i, j)];
                 }
             }
-            rows += range.len() as f64;
+            rows += kept.len() as f64;
             log_determinant += whitening.log_determinant();
         }
         let scale = gram[(width - 1, width - 1)] / rows;
