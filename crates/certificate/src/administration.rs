@@ -1,8 +1,8 @@
 //! Whose item was calibrated, when and where; who answers for the certificate.
 
-use common::{Certificate, Document};
+use common::{CalibratedItem, Certificate, Document};
 
-use crate::sheet::{Field, Item, Sheet};
+use crate::sheet::{Item, Sheet};
 
 /// Customer, item and days.
 pub fn item(sheet: &mut Sheet, document: &Document, data: &Certificate) {
@@ -12,15 +12,17 @@ pub fn item(sheet: &mut Sheet, document: &Document, data: &Certificate) {
     let reached = customer.map(|one| [one.address.as_deref(), one.contact.as_deref()]);
     let reached: Vec<&str> = reached.into_iter().flatten().flatten().collect();
     sheet.required("Contact of the customer", "7.8.2.1 e", Some(&reached.join("\n")));
-    let item = data.item.as_ref();
+    let of_item = |text: fn(&CalibratedItem) -> &Option<String>| {
+        data.item.as_ref().and_then(|item| text(item).as_deref())
+    };
     let named = document.instrument.as_ref().and_then(|instrument| instrument.name.as_deref());
-    let described = item.and_then(|item| item.description.as_deref());
+    let described = of_item(|item| &item.description);
     let coils = crate::results::coils_alone(document).then_some("Coil system");
     sheet.required("Item", "7.8.2.1 g", described.or(coils).or(named));
-    sheet.required("Manufacturer", "7.8.2.1 g", item.and_then(|item| item.manufacturer.as_deref()));
-    sheet.required("Type", "7.8.2.1 g", item.and_then(|item| item.model.as_deref()));
-    sheet.required("Serial number", "7.8.2.1 g", item.and_then(|item| item.serial.as_deref()));
-    sheet.required("Condition when received", "7.8.2.1 g", item.and_then(|item| item.condition.as_deref()));
+    sheet.required("Manufacturer", "7.8.2.1 g", of_item(|item| &item.manufacturer));
+    sheet.required("Type", "7.8.2.1 g", of_item(|item| &item.model));
+    sheet.required("Serial number", "7.8.2.1 g", of_item(|item| &item.serial));
+    sheet.required("Condition when received", "7.8.2.1 g", of_item(|item| &item.condition));
     sheet.required("Received on", "7.8.2.1 h", data.received.as_deref());
     let days = days(document, data);
     sheet.required("Calibrated on", "7.8.2.1 i", days.as_ref().map(|days| days.words.as_str()));
@@ -35,14 +37,12 @@ pub fn item(sheet: &mut Sheet, document: &Document, data: &Certificate) {
     // Days of one form have the order of their texts.
     let day = |text: &Option<String>| text.clone().filter(|text| is_day(text));
     if day(&data.issued).is_some_and(|issued| issued < days.last) {
-        sheet
-            .notes
-            .push(format!("The day of issue is before the last day of the calibration, {}.", days.last));
+        let note = format!("The day of issue is before the last day of the calibration, {}.", days.last);
+        sheet.notes.push(note);
     }
     if day(&data.received).is_some_and(|received| received > days.first) {
-        sheet
-            .notes
-            .push(format!("The item was received after the first day of the calibration, {}.", days.first));
+        let note = format!("The item was received after the first day of the calibration, {}.", days.first);
+        sheet.notes.push(note);
     }
 }
 
@@ -67,10 +67,11 @@ fn days(document: &Document, data: &Certificate) -> Option<Days> {
 
 /// Whether a text is a day as YYYY-MM-DD.
 fn is_day(text: &str) -> bool {
-    text.len() == 10
-        && text
-            .char_indices()
-            .all(|(place, c)| if matches!(place, 4 | 7) { c == '-' } else { c.is_ascii_digit() })
+    let is_right = |(place, c): (usize, char)| match place {
+        4 | 7 => c == '-',
+        _ => c.is_ascii_digit(),
+    };
+    text.len() == 10 && text.char_indices().all(is_right)
 }
 
 /// Opinions, statements and signatures.
@@ -97,12 +98,12 @@ pub fn close(sheet: &mut Sheet, data: &Certificate) {
     let people = data.authorised_by.as_deref().unwrap_or_default();
     if people.is_empty() {
         sheet.required("Authorised by", "7.8.2.1 o", None);
-        sheet.add(Item::Signature("Signature and date".into()));
+        sheet.add(Item::Signature);
     }
     for person in people {
         let function = person.function.as_deref().map_or(String::new(), |function| format!(", {function}"));
         let words = person.name.as_deref().map(|name| format!("{name}{function}"));
-        sheet.add(Item::Field(Field::required("Authorised by", "7.8.2.1 o", words.as_deref())));
-        sheet.add(Item::Signature("Signature and date".into()));
+        sheet.required("Authorised by", "7.8.2.1 o", words.as_deref());
+        sheet.add(Item::Signature);
     }
 }

@@ -4,63 +4,42 @@ use common::{Certificate, Document, Extra};
 use serde_json::Value;
 use strsim::osa_distance as distance;
 
-/// A word of a key, and where the certificate looks for what it may hold.
-const WORDS: [(&str, &str); 22] = [
-    ("serial", "item.serial"),
-    ("manufacturer", "item.manufacturer"),
-    ("maker", "item.manufacturer"),
-    ("customer", "customer"),
-    ("client", "customer"),
+/// Where the certificate looks for something, and the words of keys that may hold it.
+const WORDS: [(&str, &str); 16] = [
+    ("item.serial", "serial"),
+    ("item.manufacturer", "manufacturer maker"),
+    ("customer", "customer client"),
     ("laboratory", "laboratory"),
-    ("certificate", "number"),
-    ("received", "received"),
-    ("receipt", "received"),
+    ("number", "certificate"),
+    ("received", "received receipt"),
     ("calibrated", "calibrated"),
-    ("issued", "issued"),
-    ("issue", "issued"),
+    ("issued", "issued issue"),
     ("sampling", "sampling"),
-    ("authorised", "authorised_by"),
-    ("authorized", "authorised_by"),
-    ("operator", "authorised_by"),
-    ("procedure", "method.procedure"),
+    ("authorised_by", "authorised authorized operator"),
+    ("method.procedure", "procedure"),
     ("traceability", "traceability"),
-    ("humidity", "conditions"),
-    ("adjustment", "adjustment.done"),
-    ("opinion", "opinions"),
+    ("conditions", "humidity"),
+    ("adjustment.done", "adjustment"),
+    ("opinions", "opinion"),
     ("deviations", "deviations"),
 ];
 
-/// The keys of the certificate's types, as its schema has them.
-const TOP: [&str; 21] = [
-    "number",
-    "laboratory",
-    "location",
-    "customer",
-    "method",
-    "item",
-    "received",
-    "calibrated",
-    "issued",
-    "sampling",
-    "sampled",
-    "deviations",
-    "authorised_by",
-    "external_results",
-    "customer_data",
-    "conditions",
-    "traceability",
-    "references",
-    "adjustment",
-    "opinions",
-    "agreed_interval",
+/// The objects of the certificate with their keys, as its schema has them.
+const KEYS: [(&str, &str); 9] = [
+    ("", CERTIFICATE),
+    ("laboratory", PARTY),
+    ("customer", PARTY),
+    ("item", "description manufacturer model serial condition"),
+    ("method", "procedure version"),
+    ("adjustment", "done before"),
+    ("references", "kind identity certificate issued_by date"),
+    ("authorised_by", "name function"),
+    ("sampled", "date item location method conditions uncertainty"),
 ];
-const PARTY: [&str; 3] = ["name", "address", "contact"];
-const METHOD: [&str; 2] = ["procedure", "version"];
-const ITEM: [&str; 5] = ["description", "manufacturer", "model", "serial", "condition"];
-const REFERENCE: [&str; 5] = ["kind", "identity", "certificate", "issued_by", "date"];
-const ADJUSTMENT: [&str; 2] = ["done", "before"];
-const PERSON: [&str; 2] = ["name", "function"];
-const SAMPLING: [&str; 6] = ["date", "item", "location", "method", "conditions", "uncertainty"];
+const CERTIFICATE: &str = "number laboratory location customer method item received calibrated issued sampling \
+    sampled deviations authorised_by external_results customer_data conditions traceability references \
+    adjustment opinions agreed_interval";
+const PARTY: &str = "name address contact";
 
 /// Of so many letters of a word one may be wrong.
 const LETTERS: usize = 4;
@@ -69,14 +48,14 @@ const LONG: usize = 6;
 
 /// A sentence for each such key: where it stands, and where it belongs.
 pub fn notes(document: &Document, data: &Certificate) -> Vec<String> {
-    let mut notes = unknown(data);
+    let data = serde_json::to_value(data).unwrap_or_default();
+    let mut notes = unknown(&data);
     let mut seen: Vec<(String, &str, usize)> = Vec::new();
     walk_all(document, &mut |path, key| {
-        let Some(place) = meant(key).filter(|place| !is_given(data, place)) else { return };
-        let name = key.to_string();
-        match seen.iter_mut().find(|(first, of, _)| *of == place && first.ends_with(&format!(".{name}"))) {
+        let Some(place) = meant(key).filter(|place| !is_given(&data, place)) else { return };
+        match seen.iter_mut().find(|(first, of, _)| *of == place && first.ends_with(&format!(".{key}"))) {
             Some((.., count)) => *count += 1,
-            None => seen.push((format!("{path}.{name}").trim_start_matches('.').to_string(), place, 0)),
+            None => seen.push((format!("{path}.{key}").trim_start_matches('.').to_string(), place, 0)),
         }
     });
     notes.extend(seen.into_iter().map(|(path, place, more)| {
@@ -87,33 +66,28 @@ pub fn notes(document: &Document, data: &Certificate) -> Vec<String> {
 }
 
 /// Keys within `certificate` that it does not know.
-fn unknown(data: &Certificate) -> Vec<String> {
-    let part = |path: &str, extra: Option<&Extra>, known: &[&str]| -> Vec<String> {
-        let keys = extra.into_iter().flat_map(|extra| extra.keys());
-        let sentence = |key: &String| {
-            let near =
-                known.iter().min_by_key(|one| distance(key, one)).filter(|one| distance(key, one) <= 2);
+fn unknown(data: &Value) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut add = |path: &str, part: &Value, known: &str| {
+        let is_known = |key: &str| known.split(' ').any(|known| known == key);
+        for key in part.as_object().into_iter().flatten().map(|(key, _)| key).filter(|key| !is_known(key)) {
+            let near = known.split(' ').min_by_key(|one| distance(key, one));
+            let near = near.filter(|one| distance(key, one) <= 2);
             let remedy = near.map_or(String::new(), |one| format!("; is `{one}` meant?"));
-            format!("`{path}.{key}` is not a key of the certificate{remedy}")
-        };
-        keys.map(sentence).collect()
+            notes.push(format!("`certificate{path}.{key}` is not a key of the certificate{remedy}"));
+        }
     };
-    let mut all = part("certificate", Some(&data.extra), &TOP);
-    all.extend(part("certificate.laboratory", data.laboratory.as_ref().map(|one| &one.extra), &PARTY));
-    all.extend(part("certificate.customer", data.customer.as_ref().map(|one| &one.extra), &PARTY));
-    all.extend(part("certificate.item", data.item.as_ref().map(|one| &one.extra), &ITEM));
-    all.extend(part("certificate.method", data.method.as_ref().map(|one| &one.extra), &METHOD));
-    all.extend(part("certificate.adjustment", data.adjustment.as_ref().map(|one| &one.extra), &ADJUSTMENT));
-    for (number, one) in data.references.iter().flatten().enumerate() {
-        all.extend(part(&format!("certificate.references[{number}]"), Some(&one.extra), &REFERENCE));
+    for (place, known) in KEYS {
+        match (place, &data[place]) {
+            ("", _) => add("", data, known),
+            (_, Value::Array(list)) => {
+                let each = list.iter().enumerate();
+                each.for_each(|(number, one)| add(&format!(".{place}[{number}]"), one, known));
+            }
+            (_, part) => add(&format!(".{place}"), part, known),
+        }
     }
-    for (number, one) in data.authorised_by.iter().flatten().enumerate() {
-        all.extend(part(&format!("certificate.authorised_by[{number}]"), Some(&one.extra), &PERSON));
-    }
-    for (number, one) in data.sampled.iter().flatten().enumerate() {
-        all.extend(part(&format!("certificate.sampled[{number}]"), Some(&one.extra), &SAMPLING));
-    }
-    all
+    notes
 }
 
 /// Every key that no type knows, with the path of what it stands in, outside of `certificate`.
@@ -156,30 +130,20 @@ fn meant(key: &str) -> Option<&'static str> {
     let is = |word: &str, known: &str| {
         word == known || (known.len() >= LONG && distance(word, known) <= (known.len() / LETTERS).min(2))
     };
-    let near = WORDS.iter().find(|(known, _)| words.iter().any(|word| is(word, known)));
-    near.map(|(_, place)| *place)
+    let is_any = |known: &str| words.iter().any(|word| is(word, known));
+    let near = WORDS.iter().find(|(_, known)| known.split(' ').any(is_any));
+    near.map(|(place, _)| *place)
 }
 
 /// Whether the certificate has what belongs there.
-fn is_given(data: &Certificate, place: &str) -> bool {
-    let item = data.item.as_ref();
+fn is_given(data: &Value, place: &str) -> bool {
+    let has = |path: &str| data.pointer(path).is_some_and(|value| !value.is_null());
     match place {
-        "item.serial" => item.is_some_and(|item| item.serial.is_some()),
-        "item.manufacturer" => item.is_some_and(|item| item.manufacturer.is_some()),
-        "customer" => data.customer.as_ref().is_some_and(|one| one.name.is_some()),
-        "laboratory" => data.laboratory.as_ref().is_some_and(|one| one.name.is_some()),
-        "number" => data.number.is_some(),
-        "received" => data.received.is_some(),
-        "calibrated" => data.calibrated.is_some(),
-        "issued" => data.issued.is_some(),
-        "sampling" => data.sampling.is_some() || data.sampled.is_some(),
-        "authorised_by" => data.authorised_by.is_some(),
-        "method.procedure" => data.method.as_ref().is_some_and(|one| one.procedure.is_some()),
-        "traceability" => data.traceability.is_some(),
-        "conditions" => data.conditions.is_some(),
-        "adjustment.done" => data.adjustment.is_some(),
-        "opinions" => data.opinions.is_some(),
-        _ => data.deviations.is_some(),
+        "customer" => has("/customer/name"),
+        "laboratory" => has("/laboratory/name"),
+        "sampling" => has("/sampling") || has("/sampled"),
+        "adjustment.done" => has("/adjustment"),
+        _ => has(&format!("/{}", place.replace('.', "/"))),
     }
 }
 
@@ -209,19 +173,11 @@ mod tests {
     fn the_keys_are_those_of_the_schema() {
         let schema: Value =
             serde_json::from_str(include_str!("../../../schemas/document.schema.json")).expect("JSON");
-        for (name, keys) in [
-            ("Certificate", &TOP[..]),
-            ("Party", &PARTY),
-            ("Method", &METHOD),
-            ("CalibratedItem", &ITEM),
-            ("Reference", &REFERENCE),
-            ("Adjustment", &ADJUSTMENT),
-            ("Person", &PERSON),
-            ("Sampling", &SAMPLING),
-        ] {
+        let types = "Certificate Party Party CalibratedItem Method Adjustment Reference Person Sampling";
+        for (name, (_, keys)) in types.split(' ').zip(KEYS) {
             let there = schema["$defs"][name]["properties"].as_object().expect("properties");
             let mut there: Vec<&str> = there.keys().map(String::as_str).collect();
-            let mut keys = keys.to_vec();
+            let mut keys: Vec<&str> = keys.split(' ').collect();
             there.sort_unstable();
             keys.sort_unstable();
             assert_eq!(keys, there, "{name}");

@@ -53,8 +53,8 @@ fn found(document: &Document) -> Vec<String> {
     }
     let facility = document.facility.as_ref();
     if let Some(std) = facility.and_then(|facility| facility.residual_field_std_nt) {
-        found
-            .push(format!("Field left by the nulling: standard uncertainty of a component {} nT", bare(std)));
+        let of = "Field left by the nulling: standard uncertainty of a component";
+        found.push(format!("{of} {} nT", bare(std)));
     }
     found
 }

@@ -1,7 +1,7 @@
 //! A certificate as HTML: one file without script and network, for the screen and for paper.
 
-use page::escape::escape;
-use page::{Cell, Header, Table, number};
+use page::words::escape;
+use page::{Cell, Header, Table};
 use std::fmt::Write;
 
 use crate::sheet::{BLANK, Field, Item, Part, Sheet};
@@ -18,26 +18,9 @@ const WIDE: usize = 4;
 /// A field with more lines may be broken between pages.
 const LINES: usize = 8;
 
-/// The paper that the certificate is laid out for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Paper {
-    /// 210 mm × 297 mm.
-    A4,
-    /// 8.5 in × 11 in.
-    Letter,
-}
-
-impl Paper {
-    fn size(self) -> &'static str {
-        match self {
-            Paper::A4 => "A4",
-            Paper::Letter => "letter",
-        }
-    }
-}
-
-/// The certificate as HTML that is well-formed XML as well. Without a paper the printer's counts.
-pub fn render(sheet: &Sheet, paper: Option<Paper>) -> String {
+/// The certificate as HTML that is well-formed XML as well, for a size of paper by its name in CSS; without
+/// one the printer's counts.
+pub fn render(sheet: &Sheet, paper: Option<&str>) -> String {
     let number = sheet.number.as_deref();
     let name = number
         .map_or("Calibration certificate".to_string(), |number| format!("Calibration certificate {number}"));
@@ -65,8 +48,8 @@ pub fn render(sheet: &Sheet, paper: Option<Paper>) -> String {
 }
 
 /// Margins of each page with the identification and the page's number (CSS Paged Media, margin boxes).
-fn page_rule(number: Option<&str>, paper: Option<Paper>) -> String {
-    let size = paper.map_or(String::new(), |paper| format!(" size: {};", paper.size()));
+fn page_rule(number: Option<&str>, paper: Option<&str>) -> String {
+    let size = paper.map_or(String::new(), |paper| format!(" size: {paper};"));
     let number = number.map_or_else(|| format!("No. {BLANK} (7.8.2.1 d)"), |number| format!("No. {number}"));
     let font = "font: 8pt \"Liberation Sans\", Arial, \"DejaVu Sans\", sans-serif; color: #59626b;";
     format!(
@@ -118,16 +101,15 @@ fn part(out: &mut String, part: &Part) {
         for item in group {
             match item {
                 Item::Field(one) => field(out, one),
-                Item::Heading(heading) => {
+                Item::Signature => out.push_str("<p class=\"sign\">Signature and date</p>\n"),
+                Item::Page(page::Item::Heading(heading)) => {
                     let _ = writeln!(out, "<h3>{}</h3>", escape(heading));
                 }
-                Item::Words(words) => {
+                Item::Page(page::Item::Words(words)) => {
                     let _ = writeln!(out, "<p>{}</p>", escape(&words.replace('`', "")));
                 }
-                Item::Table(one) => table(out, one),
-                Item::Signature(words) => {
-                    let _ = writeln!(out, "<p class=\"sign\">{}</p>", escape(words));
-                }
+                Item::Page(page::Item::Table(one)) => table(out, one),
+                Item::Page(page::Item::Plot(_)) => {}
             }
         }
         if is_field(&group[0]) {
@@ -175,7 +157,7 @@ fn table(out: &mut String, table: &Table) {
     for row in &table.rows {
         out.push_str("<tr>");
         for (place, column) in kept.iter().enumerate() {
-            let text = number::cell(&row[*column]);
+            let text = row[*column].to_string();
             let class = match text.chars().count() {
                 _ if text.contains(BLANK) => "",
                 letters if letters <= DAY => " class=\"day\"",
@@ -183,13 +165,10 @@ fn table(out: &mut String, table: &Table) {
                 _ => "",
             };
             let text = escape(&text);
+            let label = escape(&table.headers[*column].name);
             let _ = match place {
                 0 => write!(out, "<th scope=\"row\">{text}</th>"),
-                _ => write!(
-                    out,
-                    "<td{class} data-label=\"{}\">{text}</td>",
-                    escape(&table.headers[*column].name)
-                ),
+                _ => write!(out, "<td{class} data-label=\"{label}\">{text}</td>"),
             };
         }
         out.push_str("</tr>\n");

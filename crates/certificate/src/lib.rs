@@ -15,8 +15,8 @@ mod references;
 mod results;
 mod sheet;
 
-pub use html::{Paper, render};
-pub use sheet::{Field, Item, Part, Sheet};
+pub use html::render;
+pub use sheet::Sheet;
 
 use common::{Certificate, Document, Error};
 use conformity::Spec;
@@ -66,14 +66,7 @@ fn conformity_part(sheet: &mut Sheet, document: &Document, asked: &Asked<'_>) ->
     for words in section.words.iter().take(2).chain(failures) {
         sheet.say(words.as_str());
     }
-    for item in section.items {
-        match item {
-            page::Item::Table(table) => sheet.table(table),
-            page::Item::Words(words) => sheet.say(words),
-            page::Item::Heading(heading) => sheet.heading(heading),
-            page::Item::Plot(_) => {}
-        }
-    }
+    section.items.into_iter().for_each(|item| sheet.add(sheet::Item::Page(item)));
     Ok(())
 }
 

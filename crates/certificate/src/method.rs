@@ -20,14 +20,12 @@ pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate, asked: &
     sheet.required("Sources", "7.8.2.1 f", Some(&sources(document).join("\n")));
     sheet.required("Evaluated by", "7.8.2.1 f", Some(&programs(document).join("\n")));
     let digest = |of: &str, sha256: Option<&str>| sha256.map(|hash| format!("{of}: {hash}"));
-    let digests: Vec<String> = [
+    let digests = [
         digest("document", asked.document_sha256),
         digest("administrative data beside it", asked.data_sha256),
         digest("specification", asked.spec.and_then(|(_, hash)| hash)),
-    ]
-    .into_iter()
-    .flatten()
-    .collect();
+    ];
+    let digests: Vec<String> = digests.into_iter().flatten().collect();
     sheet.required("SHA-256", "7.8.2.1 f", Some(&digests.join("\n")));
     sheet.stated("Additions, deviations, exclusions", "7.8.2.1 n", data.deviations.as_deref());
     sheet.stated("Sampling plan and method", "7.8.2.1 k", data.sampling.as_deref());
@@ -70,24 +68,20 @@ fn sources(document: &Document) -> Vec<&'static str> {
             || one.cross_field.is_some()
     });
     let axes = calibration.axes.as_ref().is_some_and(|axes| axes.fit.is_some());
-    let of = |there: bool, source: &'static str| there.then_some(source);
-    [
-        of(coils || sensors || axes, NASA),
-        of(calibration.scalar.is_some(), MERAYO),
-        of(calibration.differential.is_some(), DIFFERENTIAL),
-        Some(GUM),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    let all = [
+        (coils || sensors || axes, NASA),
+        (calibration.scalar.is_some(), MERAYO),
+        (calibration.differential.is_some(), DIFFERENTIAL),
+        (true, GUM),
+    ];
+    all.into_iter().filter(|(there, _)| *there).map(|(_, source)| source).collect()
 }
 
 /// The programs with version and arguments, this one last.
 fn programs(document: &Document) -> Vec<String> {
     let entry = |entry: &common::HistoryEntry| {
-        format!("fluxcal {} {} {}", entry.stage, entry.version, entry.arguments.join(" "))
-            .trim_end()
-            .to_string()
+        let words = format!("fluxcal {} {} {}", entry.stage, entry.version, entry.arguments.join(" "));
+        words.trim_end().to_string()
     };
     let this = format!("fluxcal report {} (this certificate)", env!("CARGO_PKG_VERSION"));
     document.history.iter().map(entry).chain([this]).collect()

@@ -1,6 +1,6 @@
 //! How the results are traceable: each standard that the calibration rests on, with its own certificate.
 
-use common::{Axis, Certificate, Document, Reference, ReferenceKind, procedure};
+use common::{Axis, Certificate, Document, Recording, Reference, ReferenceKind, procedure};
 use page::number::{bare, figures};
 use page::{Cell, Table};
 
@@ -15,14 +15,7 @@ pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate) {
     sheet.required("Statement", CLAUSE, data.traceability.as_deref());
     let mut table = Table::new(
         "Standards and instruments",
-        [
-            ("standard", ""),
-            ("identity", ""),
-            ("certificate", ""),
-            ("issued by", ""),
-            ("on", ""),
-            ("standard uncertainty used", ""),
-        ],
+        "standard | identity | certificate | issued by | on | standard uncertainty used",
     );
     let given = data.references.as_deref().unwrap_or_default();
     let needed = needed(document);
@@ -30,43 +23,27 @@ pub fn part(sheet: &mut Sheet, document: &Document, data: &Certificate) {
     let unnamed = needed.iter().filter(|kind| !named(**kind));
     let missing = unnamed.map(|kind| Reference { kind: *kind, ..Reference::default() });
     for one in given.iter().cloned().chain(missing) {
-        let text = |text: &Option<String>| text.clone().map_or_else(|| blank_cell(CLAUSE), Cell::from);
-        table.row([
-            name(one.kind).into(),
-            text(&one.identity),
-            text(&one.certificate),
-            text(&one.issued_by),
-            text(&one.date),
-            used(document, one.kind).into(),
-        ]);
+        let text = |text: &Option<String>| text.clone().map_or_else(|| blank_cell(CLAUSE), Cell::Text);
+        let [identity, certificate, by, on] =
+            [&one.identity, &one.certificate, &one.issued_by, &one.date].map(text);
+        table.row((name(one.kind), identity, certificate, by, on, used(document, one.kind)));
     }
     if table.rows.is_empty() {
-        table.row([
-            "standard".into(),
-            blank_cell(CLAUSE),
-            blank_cell(CLAUSE),
-            blank_cell(CLAUSE),
-            blank_cell(CLAUSE),
-            Cell::Empty,
-        ]);
+        let blank = || blank_cell(CLAUSE);
+        table.row(("standard", blank(), blank(), blank(), blank(), Cell::Empty));
     }
     sheet.table(table);
     if !crate::results::coils_alone(document) {
-        sheet.table(coils(document));
-    }
-}
-
-/// The constants of the coils in which an instrument was calibrated.
-fn coils(document: &Document) -> Table {
-    let mut table = Expanded::table("Coil constants used for the results");
-    let coils = document.calibration.as_ref().and_then(|calibration| calibration.coils.as_ref());
-    for (axis, coil) in coils.into_iter().flat_map(|coils| coils.iter()) {
-        let factor = coil.constant.as_ref().map(|fit| fit.coverage_factor_95);
-        if let Some(constant) = &coil.constant_nt_per_a {
-            Expanded::of(constant, factor).row(&mut table, &format!("coil {axis}, constant"), "nT/A");
+        let mut table = Expanded::table("Coil constants used for the results");
+        let coils = document.calibration.as_ref().and_then(|calibration| calibration.coils.as_ref());
+        for (axis, coil) in coils.into_iter().flat_map(|coils| coils.iter()) {
+            let factor = coil.constant.as_ref().map(|fit| fit.coverage_factor_95);
+            if let Some(constant) = &coil.constant_nt_per_a {
+                Expanded::of(constant, factor).row(&mut table, &format!("coil {axis}, constant"), "nT/A");
+            }
         }
+        sheet.table(table);
     }
-    table
 }
 
 fn name(kind: ReferenceKind) -> &'static str {
@@ -90,35 +67,29 @@ fn needed(document: &Document) -> Vec<ReferenceKind> {
         let mut names = document.recordings.iter().flat_map(|recording| recording.columns.keys());
         names.any(|name| name.starts_with(starts))
     };
-    let done = |name: &str| document.recordings.iter().any(|recording| recording.procedure == name);
+    let beside = |recording: &Recording| recording.procedure == procedure::DIFFERENTIAL;
+    let compared = calibration.is_some_and(|calibration| calibration.differential.is_some())
+        || document.recordings.iter().any(beside);
     let resistors = facility.and_then(|facility| facility.coils.as_ref());
     let resistors = resistors.is_some_and(|coils| coils.iter().any(|(_, coil)| coil.resistor_ohm.is_some()));
     let magnitude = calibration.and_then(|calibration| calibration.scalar.as_ref());
+    let scalar = facility.is_some_and(|facility| facility.reference_std_nt.is_some())
+        || magnitude.is_some_and(|scalar| scalar.reference.contains("scalar magnetometer"));
     let warmed = calibration.and_then(|calibration| calibration.sensors.as_ref());
     let warmed = warmed.is_some_and(|sensors| sensors.iter().any(|(_, sensor)| sensor.temperature.is_some()));
     let all = [
         (ReferenceKind::Coils, facility.is_some_and(|facility| facility.coils.is_some()) || column("coil_")),
         (ReferenceKind::Voltmeter, facility.is_some_and(|facility| facility.voltmeter.is_some())),
         (ReferenceKind::Resistor, resistors),
-        (
-            ReferenceKind::ScalarMagnetometer,
-            facility.is_some_and(|facility| facility.reference_std_nt.is_some())
-                || magnitude.is_some_and(|scalar| scalar.reference.contains("scalar magnetometer")),
-        ),
+        (ReferenceKind::ScalarMagnetometer, scalar),
         (ReferenceKind::Theodolite, facility.is_some_and(|facility| facility.theodolite_arcsec.is_some())),
         (ReferenceKind::Thermometer, warmed),
-        (
-            ReferenceKind::Magnetometer,
-            calibration.is_some_and(|calibration| calibration.differential.is_some())
-                || done(procedure::DIFFERENTIAL),
-        ),
+        (ReferenceKind::Magnetometer, compared),
     ];
     // The coil system is the item where nothing else was calibrated.
     let item = crate::results::coils_alone(document);
-    all.into_iter()
-        .filter(|(kind, there)| *there && !(item && *kind == ReferenceKind::Coils))
-        .map(|(kind, _)| kind)
-        .collect()
+    let needed = all.into_iter().filter(|(kind, there)| *there && !(item && *kind == ReferenceKind::Coils));
+    needed.map(|(kind, _)| kind).collect()
 }
 
 /// The standard uncertainty that the evaluation allowed for.
@@ -128,10 +99,8 @@ fn used(document: &Document, kind: ReferenceKind) -> Option<String> {
         ReferenceKind::Voltmeter => {
             let voltmeter = facility.voltmeter.as_ref()?;
             let absolute = voltmeter.absolute_v.map(|v| format!("{} V", bare(v)));
-            let relative = voltmeter
-                .relative
-                .filter(|part| *part > 0.0)
-                .map(|part| format!("{} of the reading", bare(part)));
+            let relative = voltmeter.relative.filter(|part| *part > 0.0);
+            let relative = relative.map(|part| format!("{} of the reading", bare(part)));
             let parts: Vec<String> = absolute.into_iter().chain(relative).collect();
             (!parts.is_empty()).then(|| parts.join(" and "))
         }

@@ -1,6 +1,5 @@
 //! The error of a corrected field, as a budget over a whole sphere of fields.
 
-mod across;
 mod gaps;
 mod sensor;
 
@@ -9,12 +8,12 @@ use common::{Axis, Document, uncertainty};
 use faer::{Mat, RowRef};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::directions::Directions;
+use crate::Requirement;
+use crate::axes::Directions;
 use crate::joint::Joint;
 use crate::range::calibrated_nt;
 use crate::temperature::{Part, asked};
-use crate::verdict::{Missing, Rule, Shown, ShownValue};
-use crate::{Requirement, RequirementKind};
+use crate::verdict::{Rule, Shown, ShownValue, shown};
 use gaps::Gaps;
 use sensor::{Case, Sensor};
 
@@ -34,12 +33,11 @@ const DIRECTIONS: usize = 2000;
 /// over the whole sphere), so that the surface is enough. Fields beyond those that the sensors were
 /// calibrated in are left out, and named.
 pub fn accuracy(of: (&Document, &Joint), requirement: &Requirement, rule: Rule) -> Vec<Shown> {
-    let budget = match Budget::of(of, requirement) {
-        Ok(budget) => budget,
-        Err(missing) => return vec![Err(missing)],
-    };
-    let factor = rule.factor(RequirementKind::AbsoluteAccuracyNt.side());
-    Axis::ALL.map(|axis| Ok(budget.worst(axis, factor))).into()
+    let factor = rule.factor(requirement.kind.side());
+    match Budget::of(of, requirement) {
+        Ok(budget) => Axis::ALL.map(|axis| Ok(budget.worst(axis, factor))).into(),
+        Err(why) => vec![shown("field", Err(why))],
+    }
 }
 
 struct Budget {
@@ -70,12 +68,10 @@ struct ComponentError {
 }
 
 impl Budget {
-    fn of((document, joint): (&Document, &Joint), requirement: &Requirement) -> Result<Self, Missing> {
-        let missing = |why: &str| Missing { of: "field".into(), why: why.into() };
-        let directions = Directions::of(document, joint).map_err(missing)?;
+    fn of((document, joint): (&Document, &Joint), requirement: &Requirement) -> Result<Self, String> {
+        let directions = Directions::of(document, joint)?;
         let inverse = directions.mu.transpose().try_inverse();
-        let inverse =
-            inverse.ok_or_else(|| missing("the sensor axes are coplanar and do not determine the field"))?;
+        let inverse = inverse.ok_or("the sensor axes are coplanar and do not determine the field")?;
         let mut gaps = Gaps::default();
         let mut sensors = Vec::new();
         let asked_nt = requirement.range_nt.unwrap_or(0.0);
@@ -83,13 +79,12 @@ impl Budget {
         let mut along_nt = [asked_nt; 3];
         for axis in Axis::ALL {
             let found = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
-            let found = found.ok_or_else(|| missing("the sensors were not calibrated; sensorcal does it"))?;
+            let found = found.ok_or("the sensors were not calibrated; sensorcal does it")?;
             let sensor = Sensor::of((document, joint), requirement, axis, found, &mut gaps);
-            let sensor = sensor.ok_or_else(|| {
-                missing("a sensor's sensitivity or offset has no uncertainty; sensorcal finds both from `sensor_sensitivity` and \
-                         `sensor_offset_reversal`")
-            })?;
-            sensors.push(sensor);
+            sensors.push(sensor.ok_or(
+                "a sensor's sensitivity or offset has no uncertainty; sensorcal finds both from `sensor_sensitivity` and \
+                 `sensor_offset_reversal`",
+            )?);
             match calibrated_nt(found) {
                 Some(reached) if reached < asked_nt => {
                     along_nt[axis.index()] = reached;
@@ -120,15 +115,12 @@ impl Budget {
             }
         }
         let ends = |part: Part| {
-            let range = match part {
-                Part::Sensor => requirement.sensor_temperature_c,
-                Part::Electronics => requirement.electronics_temperature_c,
-            };
+            let is_asked = part.required(requirement).is_some();
             let mut warmer = vec![0.0];
-            for axis in Axis::ALL.into_iter().filter(|_| range.is_some()) {
-                match asked(document, axis, part, range) {
+            for axis in Axis::ALL.into_iter().filter(|_| is_asked) {
+                match asked(document, axis, part, requirement) {
                     Ok(covered) => {
-                        warmer.extend(covered.warmer().into_iter().flat_map(|end| [0.5 * end, end]));
+                        warmer.extend(covered.warmer.into_iter().flat_map(|end| [0.5 * end, end]));
                         covered.gap.into_iter().for_each(|gap| gaps.add(axis, &gap));
                     }
                     Err(why) => gaps.add(axis, &why),
@@ -138,13 +130,13 @@ impl Budget {
             warmer.dedup();
             warmer
         };
-        let [of_sensor, of_electronics] = [Part::Sensor, Part::Electronics].map(ends);
+        let [of_sensor, of_electronics] = Part::BOTH.map(ends);
         let warmer = of_sensor.iter().flat_map(|s| of_electronics.iter().map(|e| [*s, *e])).collect();
         let of_sensors = sensors.iter().flat_map(|sensor| sensor.parameters.iter().cloned());
         let of_directions = uncertainty::directions("sensors").into_iter().map(|path| ("directions", path));
         let (names, paths): (Vec<_>, Vec<_>) = of_sensors.chain(of_directions).unzip();
-        let root = uncertainty::root(&joint.covariance(&paths)).map_err(|found| missing(&found))?;
-        let sensors = sensors.try_into().map_err(|_| missing("three sensors are needed"))?;
+        let root = uncertainty::root(&joint.covariance(&paths))?;
+        let sensors = sensors.try_into().map_err(|_| "three sensors are needed")?;
         let gaps = gaps.sentences();
         Ok(Self { directions, inverse, sensors, names, root, range_nt, along_nt, warmer, gaps })
     }
@@ -220,12 +212,9 @@ impl Budget {
 fn words(size: f64, terms: &[(&'static str, f64)], case: &Case) -> String {
     let field = [0, 1, 2].map(|row| fixed(case.field[row], 0)).join(", ");
     let [sensor, electronics] = case.warmer.map(|kelvin| signed(&significant(kelvin, 3)));
-    let largest: Vec<String> = terms
-        .iter()
-        .take(4)
-        .filter(|(_, std)| *std > 0.0)
-        .map(|(name, std)| format!("{name} {}", significant(*std, 2)))
-        .collect();
+    let largest = terms.iter().take(4).filter(|(_, std)| *std > 0.0);
+    let largest: Vec<String> =
+        largest.map(|(name, std)| format!("{name} {}", significant(*std, 2))).collect();
     format!(
         "|e| + k u = {} nT, with a field of ({field}) nT, the sensors {sensor} K and the electronics {electronics} K from the reference; mainly from {}",
         significant(size, 3),

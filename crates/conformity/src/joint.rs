@@ -2,7 +2,8 @@
 
 use common::uncertainty::{self, Block};
 use common::{
-    AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, Uncertainty, covariance,
+    AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, TemperatureFit,
+    Uncertainty, covariance,
 };
 use estimate::stats;
 use faer::{Mat, mat};
@@ -69,6 +70,13 @@ pub fn effect(name: &str, sensor: Axis, parameter: &str) -> String {
     uncertainty::effect(&effect, parameter)
 }
 
+/// The effect of a name that the model has on a sensor in all recordings.
+pub fn adopted<'a>(document: &'a Document, name: &str, sensor: Axis) -> Option<&'a AdoptedEffect> {
+    let mut effects = document.model.iter().flat_map(|model| &model.effects);
+    effects
+        .find(|effect| effect.effect == name && effect.sensor == Some(sensor) && effect.recording.is_none())
+}
+
 /// The path of an offset: what axescal adds to one has the uncertainty of the sum.
 pub fn offset(document: &Document, sensor: Axis) -> String {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
@@ -117,13 +125,15 @@ fn constants(document: &Document, sensor: Axis, found: &SensorCalibration) -> Op
 /// The coefficients of the temperature runs.
 fn temperatures(sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)> {
     let fit = found.temperature.as_ref().filter(|fit| !fit.covariance_order.is_empty())?;
-    let path = |name: &String| {
-        let (of, parameter) = name.split_once('.')?;
-        Some(effect(of, sensor, parameter))
-    };
-    let paths = fit.covariance_order.iter().map(path).collect::<Option<_>>()?;
+    let paths = temperature_paths(sensor, fit)?;
     let name = format!("calibration.sensors.{sensor}.temperature.covariance");
     Some((block(name, paths, covariance::matrix(&fit.covariance)), fit.noise.coverage_factor_95))
+}
+
+/// The paths of the coefficients of a temperature run.
+pub fn temperature_paths(sensor: Axis, fit: &TemperatureFit) -> Option<Vec<String>> {
+    let names = fit.covariance_order.iter().map(|name| name.split_once('.'));
+    names.map(|name| name.map(|(of, parameter)| effect(of, sensor, parameter))).collect()
 }
 
 /// The parameters of fields across. One that could not be seen, and that the model does not state, is zero,

@@ -6,7 +6,6 @@
 
 mod accuracy;
 mod axes;
-mod directions;
 mod joint;
 mod noise;
 mod offset;
@@ -73,21 +72,15 @@ fn one<'a>((document, joint): (&Document, &Joint), requirement: &'a Requirement,
     let verdict = shown.iter().map(of).max().unwrap_or(Verdict::NotShown);
     let margin = |found: &ShownValue| rule.margin(side, requirement.limit, found);
     let deciding = shown.iter().enumerate().filter(|(_, shown)| of(shown) == verdict);
-    let decisive = deciding
-        .filter_map(|(number, shown)| Some((number, margin(shown.as_ref().ok()?))))
-        .min_by(|(_, a), (_, b)| a.total_cmp(b))
-        .map(|(number, _)| number);
+    let margins = deciding.filter_map(|(number, shown)| Some((number, margin(shown.as_ref().ok()?))));
+    let decisive = margins.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(number, _)| number);
     Judged { requirement, shown, verdict, decisive }
 }
 
 /// What is shown of each sensor that the instrument has.
-fn each_sensor(document: &Document, one: impl Fn(Axis) -> Shown) -> Vec<Shown> {
+fn each_sensor(document: &Document, one: impl Fn(Axis) -> Result<ShownValue, String>) -> Vec<Shown> {
     let stated = document.instrument.as_ref().and_then(|instrument| instrument.sensors.as_ref());
     let has = |axis: &Axis| stated.is_none_or(|sensors| sensors.is_empty() || sensors.contains(axis));
-    Axis::ALL.into_iter().filter(has).map(one).collect()
-}
-
-/// A sensor as people read it.
-fn sensor_name(axis: Axis) -> String {
-    format!("sensor {axis}")
+    let shown = |axis: Axis| verdict::shown(format!("sensor {axis}"), one(axis));
+    Axis::ALL.into_iter().filter(has).map(shown).collect()
 }

@@ -1,8 +1,8 @@
 use common::number::{bare, duration, p_value, significant};
 use common::{Axis, Document, SensorNoise};
 
-use crate::verdict::{Missing, Shown, ShownValue};
-use crate::{Requirement, each_sensor, sensor_name};
+use crate::verdict::{Shown, ShownValue};
+use crate::{Requirement, each_sensor};
 
 /// Below this probability the spectrum is not of the form that is integrated.
 const UNLIKE_BELOW: f64 = 0.001;
@@ -21,23 +21,20 @@ pub fn zero_to_peak(document: &Document, requirement: &Requirement) -> Vec<Shown
     each_sensor(document, |axis| one(document, axis, band, over_s))
 }
 
-fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
-    let missing = |why: String| Missing { of: sensor_name(axis), why };
-    let noise = document.calibration.as_ref().and_then(|c| c.sensor(axis)?.noise.as_ref());
-    let noise = noise.ok_or_else(|| {
-        missing(
-            "its noise was not measured; sensorcal finds its spectrum from `sensor_noise` in a shield".into(),
+fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Result<ShownValue, String> {
+    let noise =
+        document.calibration.as_ref().and_then(|c| c.sensor(axis)?.noise.as_ref()).ok_or(
+            "its noise was not measured; sensorcal finds its spectrum from `sensor_noise` in a shield",
+        )?;
+    let fastest = noise.series.iter().max_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
+    let fastest = fastest.filter(|series| series.rate_hz >= 2.0 * band[1] * (1.0 - 1e-9));
+    let fastest = fastest.ok_or_else(|| {
+        format!(
+            "no series of `sensor_noise` has the {} readings a second that show noise up to {} Hz",
+            bare(2.0 * band[1]),
+            bare(band[1])
         )
     })?;
-    let fastest = noise.series.iter().max_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
-    let fastest =
-        fastest.filter(|series| series.rate_hz >= 2.0 * band[1] * (1.0 - 1e-9)).ok_or_else(|| {
-            missing(format!(
-                "no series of `sensor_noise` has the {} readings a second that show noise up to {} Hz",
-                bare(2.0 * band[1]),
-                bare(band[1])
-            ))
-        })?;
     let spectrum = Spectrum::of(noise, fastest);
     let value = spectrum.zero_to_peak(band, over_s);
     let changes = spectrum.moved().map(|moved| moved.zero_to_peak(band, over_s) - value);
@@ -76,7 +73,8 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Shown {
     } else {
         "no noise was found".into()
     };
-    Ok(ShownValue { of: sensor_name(axis), value, std: together(changes, correlation(noise)), gaps, how })
+    let std = together(changes, correlation(noise));
+    Ok(ShownValue { value, std, gaps, how, ..ShownValue::default() })
 }
 
 /// Correlations of A, α and w, where the document states their covariance.
@@ -88,13 +86,8 @@ fn correlation(noise: &SensorNoise) -> Option<[[f64; 3]; 3]> {
         let entry = *rows.get(i)?.get(j)?;
         Some(if i == j { 1.0 } else { entry / (own * other) })
     };
-    let mut correlation = [[0.0; 3]; 3];
-    for (i, row) in correlation.iter_mut().enumerate() {
-        for (j, value) in row.iter_mut().enumerate() {
-            *value = entry(i, j).filter(|value| value.is_finite())?;
-        }
-    }
-    Some(correlation)
+    let all = [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j).filter(|value| value.is_finite())));
+    all.iter().flatten().all(Option::is_some).then(|| all.map(|row| row.map(Option::unwrap_or_default)))
 }
 
 /// The standard uncertainty by all changes together.

@@ -2,9 +2,9 @@ use common::number::{signed, significant, uncertain};
 use common::{Axis, Document, OffsetDrift, Quantity};
 
 use crate::joint::Joint;
-use crate::temperature::{Coefficients, Part, asked};
-use crate::verdict::{Missing, Shown, ShownValue, normal_std};
-use crate::{Requirement, each_sensor, sensor_name};
+use crate::temperature::{Coefficients, Part, Range, asked};
+use crate::verdict::{Shown, ShownValue, normal_std};
+use crate::{Requirement, each_sensor};
 
 /// Below this probability a yearly term is more than chance.
 const YEARLY_BELOW: f64 = 0.01;
@@ -19,38 +19,28 @@ pub fn stability(document: &Document, joint: &Joint, requirement: &Requirement) 
     each_sensor(document, |axis| one((document, joint), requirement, axis))
 }
 
-fn one((document, joint): (&Document, &Joint), requirement: &Requirement, axis: Axis) -> Shown {
-    let missing = |why: String| Missing { of: sensor_name(axis), why };
-    let mut found =
-        ShownValue { of: sensor_name(axis), value: 0.0, std: 0.0, gaps: Vec::new(), how: String::new() };
+fn one(
+    (document, joint): (&Document, &Joint),
+    requirement: &Requirement,
+    axis: Axis,
+) -> Result<ShownValue, String> {
+    let mut found = ShownValue::default();
     let mut how = Vec::new();
-    let mut parts = Vec::new();
-    for (part, range) in [
-        (Part::Sensor, requirement.sensor_temperature_c),
-        (Part::Electronics, requirement.electronics_temperature_c),
-    ] {
-        if range.is_some() {
-            parts.push((part, asked(document, axis, part, range).map_err(missing)?));
-        }
-    }
+    let asks = |part: &Part| part.required(requirement).is_some();
+    let ranges = Part::BOTH.into_iter().filter(asks);
+    let parts = ranges.map(|part| Ok((part, asked(document, axis, part, requirement)?)));
+    let parts: Vec<(Part, Range)> = parts.collect::<Result<_, String>>()?;
     if !parts.is_empty() {
-        let coefficients = Coefficients::of(document, joint, axis);
-        let coefficients = coefficients.filter(|known| parts.iter().all(|(part, _)| known.has(*part)));
-        let coefficients = coefficients.ok_or_else(|| {
-            missing(
-                "there are no coefficients of temperature; sensorcal finds them from a `temperature_run`"
-                    .into(),
-            )
-        })?;
+        let known = Coefficients::of(document, joint, axis);
+        let coefficients = known.filter(|known| parts.iter().all(|(part, _)| known.has(*part))).ok_or(
+            "there are no coefficients of temperature; sensorcal finds them from a `temperature_run`",
+        )?;
         let candidates = |number: usize| -> Vec<Option<(Part, f64)>> {
             let Some((part, range)) = parts.get(number) else { return vec![None] };
-            let [low, high] = range.warmer();
+            let [low, high] = range.warmer;
             let turning = coefficients.turning(*part).filter(|at| (low..=high).contains(at));
-            [Some(low), Some(high), turning]
-                .into_iter()
-                .flatten()
-                .map(|warmer| Some((*part, warmer)))
-                .collect()
+            let ends = [Some(low), Some(high), turning].into_iter().flatten();
+            ends.map(|warmer| Some((*part, warmer))).collect()
         };
         let mut worst = (0.0, 0.0, Vec::new());
         for first in candidates(0) {
@@ -63,10 +53,10 @@ fn one((document, joint): (&Document, &Joint), requirement: &Requirement, axis: 
             }
         }
         let (value, std, warmer) = worst;
-        let at: Vec<String> = warmer
-            .iter()
-            .map(|(part, kelvin)| format!("the {} {} K", part.word(), signed(&significant(*kelvin, 3))))
-            .collect();
+        let at = |(part, kelvin): &(Part, f64)| {
+            format!("the {} {} K", part.word(), signed(&significant(*kelvin, 3)))
+        };
+        let at: Vec<String> = warmer.iter().map(at).collect();
         let change = signed(&uncertain(value, std));
         how.push(format!("{change} nT with {} from the reference", at.join(" and ")));
         (found.value, found.std) = (value.abs(), std);
@@ -74,13 +64,9 @@ fn one((document, joint): (&Document, &Joint), requirement: &Requirement, axis: 
     }
     if let Some(years) = requirement.years {
         let drift = document.calibration.as_ref().and_then(|c| c.sensor(axis)?.drift.as_ref());
-        let drift =
-            drift.map(|drift| self::drift(drift, years)).transpose().map_err(missing)?.ok_or_else(|| {
-                missing(
-                    "offsets were not followed over time; sensorcal finds their drift from `offset_drift`"
-                        .into(),
-                )
-            })?;
+        let drift = drift
+            .ok_or("offsets were not followed over time; sensorcal finds their drift from `offset_drift`")?;
+        let drift = self::drift(drift, years)?;
         found.value += drift.value.abs();
         found.std = found.std.hypot(drift.std);
         found.gaps.extend(drift.gap);
@@ -106,10 +92,8 @@ pub struct Drift {
 /// twice its amplitude, which it may add at most. u² = u²(trend) years² + 4 u²(amplitude), the latter the
 /// larger of its two components'.
 pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
-    let trend = drift
-        .trend_nt_per_year
-        .as_ref()
-        .ok_or("the offsets show no trend: at least five dates of `offset_drift` are needed")?;
+    let trend = drift.trend_nt_per_year.as_ref();
+    let trend = trend.ok_or("the offsets show no trend: at least five dates of `offset_drift` are needed")?;
     // Each of the quantities that sensorcal finds has its own factor.
     let widened = |quantity: &Quantity| {
         let factor = quantity.coverage_factor_95().unwrap_or(drift.coverage_factor_95);

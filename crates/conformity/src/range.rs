@@ -1,8 +1,9 @@
 use common::number::{significant, uncertain};
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
-use crate::verdict::{Missing, Shown, ShownValue, normal_std};
-use crate::{each_sensor, sensor_name};
+use crate::each_sensor;
+use crate::joint::adopted;
+use crate::verdict::{Shown, ShownValue, normal_std};
 
 /// Declared and found widths of a code that differ by more than this share are told.
 const UNLIKE: f64 = 0.05;
@@ -10,23 +11,23 @@ const UNLIKE: f64 = 0.05;
 /// The largest field that a sensor was seen to follow in either direction, nT; where its output stands, the
 /// field at which that begins. u = B u(k)/k, the coil's constant included.
 pub fn range(document: &Document) -> Vec<Shown> {
-    let ends = [(0, "below zero"), (1, "above zero")];
-    ends.into_iter().flat_map(|end| each_sensor(document, |axis| one_range(document, axis, end))).collect()
+    let one_side = |(end, side)| {
+        let mut all = each_sensor(document, |axis| one_range(document, axis, end));
+        for shown in &mut all {
+            *shown.as_mut().map_or_else(|missing| &mut missing.of, |found| &mut found.of) += side;
+        }
+        all
+    };
+    [(0, " below zero"), (1, " above zero")].into_iter().flat_map(one_side).collect()
 }
 
-fn one_range(document: &Document, axis: Axis, (end, side): (usize, &str)) -> Shown {
-    let of = format!("{} {side}", sensor_name(axis));
-    let missing = |why: &str| Missing { of: of.clone(), why: why.into() };
+fn one_range(document: &Document, axis: Axis, end: usize) -> Result<ShownValue, String> {
     let fit = sensor(document, axis).and_then(|sensor| sensor.sensitivity.as_ref());
-    let followed = fit.and_then(|fit| followed(fit));
-    let (Some(fit), Some(followed)) = (fit, followed) else {
-        return Err(missing(
-            "it was not calibrated in a coil; `sensor_sensitivity` up to the limit would show it",
-        ));
-    };
+    let followed = fit.and_then(|fit| Some((fit, followed(fit)?)));
+    let (fit, followed) = followed
+        .ok_or("it was not calibrated in a coil; `sensor_sensitivity` up to the limit would show it")?;
     let relative = sensor(document, axis).and_then(relative_std);
-    let relative =
-        relative.ok_or_else(|| missing("its sensitivity has no uncertainty; sensorcal gives one"))?;
+    let relative = relative.ok_or("its sensitivity has no uncertainty; sensorcal gives one")?;
     let stands = fit.saturation.as_ref().and_then(|saturation| saturation.fields_nt[end]);
     let (value, gaps, how) = match stands {
         Some(field) => (field.abs(), Vec::new(), "the output is saturated from there on"),
@@ -37,7 +38,7 @@ fn one_range(document: &Document, axis: Axis, (end, side): (usize, &str)) -> Sho
         }
     };
     let std = value * relative * normal_std(1.0, fit.noise.coverage_factor_95);
-    Ok(ShownValue { of, value, std, gaps, how: how.into() })
+    Ok(ShownValue { value, std, gaps, how: how.into(), ..ShownValue::default() })
 }
 
 /// The largest fields of either sign that a sensor followed in its calibration, as magnitudes, nT.
@@ -58,7 +59,7 @@ pub fn resolution(document: &Document) -> Vec<Shown> {
     each_sensor(document, |axis| one_resolution(document, axis))
 }
 
-fn one_resolution(document: &Document, axis: Axis) -> Shown {
+fn one_resolution(document: &Document, axis: Axis) -> Result<ShownValue, String> {
     let [declared, seen] = codes_nt(document, axis);
     let (value, how) = match (declared, seen) {
         (Some(declared), Some(seen)) if (seen / declared - 1.0).abs() > UNLIKE => (
@@ -76,11 +77,11 @@ fn one_resolution(document: &Document, axis: Axis) -> Shown {
         (None, Some(seen)) => (seen, "as the noise recordings show".into()),
         (None, None) => {
             let why = "no quantisation step is declared (`instrument.quantisation_v`), and no `sensor_noise` shows one";
-            return Err(Missing { of: sensor_name(axis), why: why.into() });
+            return Err(why.into());
         }
     };
     let std = value * sensor(document, axis).and_then(relative_std).unwrap_or(0.0);
-    Ok(ShownValue { of: sensor_name(axis), value, std, gaps: Vec::new(), how })
+    Ok(ShownValue { value, std, how, ..ShownValue::default() })
 }
 
 /// Width of a code, nT: as declared (times k), and the largest that the noise recordings show.
@@ -103,37 +104,26 @@ pub fn bandwidth(document: &Document) -> Vec<Shown> {
     each_sensor(document, |axis| one_bandwidth(document, axis))
 }
 
-fn one_bandwidth(document: &Document, axis: Axis) -> Shown {
-    let mut effects = document.model.iter().flat_map(|model| &model.effects);
-    let lag = effects
-        .find(|effect| {
-            effect.effect == "loop_bandwidth" && effect.sensor == Some(axis) && effect.recording.is_none()
-        })
-        .and_then(|effect| effect.parameters.get("lag_s"))
-        .filter(|lag| lag.value() > 0.0);
-    if let Some(lag) = lag {
+fn one_bandwidth(document: &Document, axis: Axis) -> Result<ShownValue, String> {
+    let lag = adopted(document, "loop_bandwidth", axis).and_then(|effect| effect.parameters.get("lag_s"));
+    if let Some(lag) = lag.filter(|lag| lag.value() > 0.0) {
         let value = 1.0 / (std::f64::consts::TAU * lag.value());
-        let lag_std = lag.std().ok_or_else(|| Missing {
-            of: sensor_name(axis),
-            why: "`loop_bandwidth` of the model has no uncertainty; state one".into(),
-        })?;
+        let lag_std = lag.std().ok_or("`loop_bandwidth` of the model has no uncertainty; state one")?;
         let std = value * lag_std / lag.value();
         let how =
             format!("the loop follows with a lag of {} ms", uncertain(lag.value() * 1e3, lag_std * 1e3));
-        return Ok(ShownValue { of: sensor_name(axis), value, std, gaps: Vec::new(), how });
+        return Ok(ShownValue { value, std, how, ..ShownValue::default() });
     }
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let phases = axes.iter().flat_map(|axes| &axes.phases).filter(|phase| phase.sensor == axis);
-    let fastest = phases.max_by(|a, b| a.drive_hz.total_cmp(&b.drive_hz)).ok_or_else(|| Missing {
-        of: sensor_name(axis),
-        why: "no coil was driven with AC; `axes_orientation` with `conditions.drive_hz` up to the limit would show it".into(),
-    })?;
+    let fastest = phases.max_by(|a, b| a.drive_hz.total_cmp(&b.drive_hz)).ok_or(
+        "no coil was driven with AC; `axes_orientation` with `conditions.drive_hz` up to the limit would show it",
+    )?;
     Ok(ShownValue {
-        of: sensor_name(axis),
         value: fastest.drive_hz,
-        std: 0.0,
         gaps: vec!["no faster drive was recorded (`axes_orientation` with a `conditions.drive_hz` up to the limit would show it)".into()],
         how: format!("follows a drive of {} Hz", fastest.drive_hz),
+        ..ShownValue::default()
     })
 }
 

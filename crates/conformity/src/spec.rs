@@ -9,7 +9,7 @@ use common::{Error, Matrix3x3, Versioned};
 const LARGEST_FACTOR: f64 = 30.0;
 
 /// What an instrument must do, and how it is decided whether it does.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Spec {
@@ -18,7 +18,6 @@ pub struct Spec {
     /// Its name.
     pub title: String,
     /// Where it stands.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
     /// Guard band in standard uncertainties, for a limit that can be missed on one side: 1.645 is 95 %.
     #[serde(default = "one_sided_95")]
@@ -33,7 +32,7 @@ fn one_sided_95() -> f64 {
 }
 
 /// One requirement. Which conditions belong to it depends on its kind; others are refused.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Requirement {
@@ -44,31 +43,22 @@ pub struct Requirement {
     /// The requirement in a few words.
     pub title: String,
     /// Where it stands.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub source: Option<String>,
     /// Lowest and highest frequency, Hz.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_hz: Option<[f64; 2]>,
     /// How long it is measured, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub over_s: Option<f64>,
     /// Temperatures of the sensors.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensor_temperature_c: Option<Temperatures>,
     /// Temperatures of the electronics.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub electronics_temperature_c: Option<Temperatures>,
     /// How long after the calibration it must hold, years of 365.25 days.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub years: Option<f64>,
     /// Largest magnitude of the field, nT.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub range_nt: Option<f64>,
     /// Directions that the sensors must have: columns = vectors in SEN, of any length.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nominal_matrix: Option<Matrix3x3>,
     /// Standard uncertainty of each of these directions, arcsec.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nominal_std_arcsec: Option<f64>,
 }
 
@@ -101,7 +91,7 @@ pub enum RequirementKind {
 }
 
 /// A range of temperatures, degC.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "[lowest, highest] in degC, or \"calibrated\"")]
 pub enum Temperatures {
@@ -112,7 +102,7 @@ pub enum Temperatures {
 }
 
 /// The word for what the calibration went through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Calibrated {
@@ -120,29 +110,11 @@ pub enum Calibrated {
     Calibrated,
 }
 
-/// Whether a condition belongs to a kind.
-#[derive(Clone, Copy, PartialEq)]
-enum Belongs {
-    No,
-    May,
-    Must,
-}
-
 impl RequirementKind {
     /// The kind as it is written.
-    pub fn name(self) -> &'static str {
-        match self {
-            RequirementKind::OrthogonalityDeg => "orthogonality_deg",
-            RequirementKind::AxesArcsec => "axes_arcsec",
-            RequirementKind::AxesFromNominalArcsec => "axes_from_nominal_arcsec",
-            RequirementKind::AxesOverTemperatureArcsec => "axes_over_temperature_arcsec",
-            RequirementKind::RangeNt => "range_nt",
-            RequirementKind::ResolutionNt => "resolution_nt",
-            RequirementKind::BandwidthHz => "bandwidth_hz",
-            RequirementKind::NoiseZeroToPeakNt => "noise_zero_to_peak_nt",
-            RequirementKind::OffsetStabilityNt => "offset_stability_nt",
-            RequirementKind::AbsoluteAccuracyNt => "absolute_accuracy_nt",
-        }
+    pub fn name(self) -> String {
+        let name = serde_json::to_value(self).unwrap_or_default();
+        name.as_str().unwrap_or_default().into()
     }
 
     /// The unit of limit and value.
@@ -157,18 +129,16 @@ impl RequirementKind {
         }
     }
 
-    fn belongs(self, condition: &str) -> Belongs {
-        use Belongs::{May, Must, No};
-        match (self, condition) {
-            (RequirementKind::NoiseZeroToPeakNt, "band_hz" | "over_s") => Must,
-            (RequirementKind::AxesOverTemperatureArcsec, "sensor_temperature_c") => Must,
-            (RequirementKind::AbsoluteAccuracyNt, "range_nt") => Must,
-            (RequirementKind::AxesFromNominalArcsec, "nominal_matrix" | "nominal_std_arcsec") => May,
-            (
-                RequirementKind::OffsetStabilityNt | RequirementKind::AbsoluteAccuracyNt,
-                "sensor_temperature_c" | "electronics_temperature_c" | "years",
-            ) => May,
-            _ => No,
+    /// The conditions that it must have, and those that it may have.
+    fn conditions(self) -> (&'static [&'static str], &'static [&'static str]) {
+        const OVER: &[&str] = &["sensor_temperature_c", "electronics_temperature_c", "years"];
+        match self {
+            RequirementKind::NoiseZeroToPeakNt => (&["band_hz", "over_s"], &[]),
+            RequirementKind::AxesOverTemperatureArcsec => (&["sensor_temperature_c"], &[]),
+            RequirementKind::AxesFromNominalArcsec => (&[], &["nominal_matrix", "nominal_std_arcsec"]),
+            RequirementKind::OffsetStabilityNt => (&[], OVER),
+            RequirementKind::AbsoluteAccuracyNt => (&["range_nt"], OVER),
+            _ => (&[], &[]),
         }
     }
 }
@@ -217,20 +187,16 @@ impl Requirement {
             ("nominal_matrix", self.nominal_matrix.is_some()),
             ("nominal_std_arcsec", self.nominal_std_arcsec.is_some()),
         ];
+        let (must, may) = self.kind.conditions();
         for (key, given) in given {
-            match (self.kind.belongs(key), given) {
-                (Belongs::No, true) => {
-                    let expected = format!("no such key in `{kind}`; take it out, or is another kind meant?");
-                    return refused(key, "a condition".into(), &expected);
-                }
-                (Belongs::Must, false) => {
-                    return Err(Error::document(
-                        path,
-                        format!("`{kind}` without `{key}`"),
-                        format!("`{key}`, which it needs"),
-                    ));
-                }
-                _ => {}
+            let needed = must.contains(&key);
+            if given && !needed && !may.contains(&key) {
+                let expected = format!("no such key in `{kind}`; take it out, or is another kind meant?");
+                return refused(key, "a condition".into(), &expected);
+            }
+            if needed && !given {
+                let found = format!("`{kind}` without `{key}`");
+                return Err(Error::document(path, found, format!("`{key}`, which it needs")));
             }
         }
         let above_zero = |value: f64| value.is_finite() && value > 0.0;
@@ -261,18 +227,11 @@ impl Requirement {
             return refused("nominal_std_arcsec", "less than zero".into(), "arcseconds of zero or more");
         }
         if self.nominal_matrix.is_some_and(|matrix| (0..3).any(|j| matrix.iter().all(|row| row[j] == 0.0))) {
-            return refused(
-                "nominal_matrix",
-                "a column of zeros".into(),
-                "three columns with a direction each",
-            );
+            let expected = "three columns with a direction each";
+            return refused("nominal_matrix", "a column of zeros".into(), expected);
         }
-        let asks = [
-            self.sensor_temperature_c.is_some(),
-            self.electronics_temperature_c.is_some(),
-            self.years.is_some(),
-        ];
-        if self.kind == RequirementKind::OffsetStabilityNt && !asks.contains(&true) {
+        let asks = given.iter().any(|(key, given)| *given && may.contains(key));
+        if self.kind == RequirementKind::OffsetStabilityNt && !asks {
             return Err(Error::document(
                 path,
                 format!("`{kind}` with neither temperatures nor years"),

@@ -2,20 +2,27 @@ use common::covariance::between;
 use common::{Axis, Document, Quantity, TemperatureOfPart};
 use faer::Mat;
 
-use crate::joint::{Joint, effect};
-use crate::spec::Temperatures;
+use crate::joint::{Joint, temperature_paths};
+use crate::spec::{Requirement, Temperatures};
 
 /// What may be warm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// The sensor.
     Sensor,
-    /// The electronics.
     Electronics,
 }
 
 impl Part {
-    /// As people read it.
+    pub const BOTH: [Self; 2] = [Part::Sensor, Part::Electronics];
+
+    /// The temperatures of it that a requirement asks for.
+    pub fn required(self, requirement: &Requirement) -> Option<Temperatures> {
+        match self {
+            Part::Sensor => requirement.sensor_temperature_c,
+            Part::Electronics => requirement.electronics_temperature_c,
+        }
+    }
+
     pub fn word(self) -> &'static str {
         match self {
             Part::Sensor => "sensor",
@@ -34,21 +41,11 @@ impl Part {
 }
 
 /// A range of temperatures that a requirement asks for, as far as the calibration covers it.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// Lowest and highest, degC.
-    pub range_c: [f64; 2],
-    /// Where the constants hold, degC.
-    pub reference_c: f64,
-    /// What is asked for and not covered; empty where all is.
+    /// Lowest and highest less the temperature at which the constants hold, K.
+    pub warmer: [f64; 2],
+    /// What is asked for and not covered.
     pub gap: Option<String>,
-}
-
-impl Range {
-    /// Lowest and highest less the reference, K.
-    pub fn warmer(&self) -> [f64; 2] {
-        self.range_c.map(|end| end - self.reference_c)
-    }
 }
 
 /// The range of the temperature run of a part, degC.
@@ -62,29 +59,19 @@ fn run(document: &Document, axis: Axis, part: Part) -> Option<&TemperatureOfPart
 
 /// The temperatures that are asked for, cut to those of the sensor's temperature run where there is one. What
 /// is missing otherwise, in words.
-pub fn asked(
-    document: &Document,
-    axis: Axis,
-    part: Part,
-    asked: Option<Temperatures>,
-) -> Result<Range, String> {
+pub fn asked(document: &Document, axis: Axis, part: Part, asked: &Requirement) -> Result<Range, String> {
     let word = part.word();
     let calibration = document.calibration.as_ref();
     let fit = calibration.and_then(|calibration| calibration.sensor(axis)?.temperature.as_ref());
     let stated = calibration.and_then(|calibration| calibration.reference_conditions.as_ref());
-    let reference = match part {
-        Part::Sensor => {
-            fit.and_then(|fit| fit.reference_c[0]).or(stated.and_then(|c| c.sensor_temperature_c))
-        }
-        Part::Electronics => {
-            fit.and_then(|fit| fit.reference_c[1]).or(stated.and_then(|c| c.electronics_temperature_c))
-        }
-    };
+    let stated = stated.map(|stated| [stated.sensor_temperature_c, stated.electronics_temperature_c]);
+    let of = |pair: [Option<f64>; 2]| pair[part as usize];
+    let reference = fit.and_then(|fit| of(fit.reference_c)).or(stated.and_then(of));
     let reference_c = reference.ok_or_else(|| {
         format!("the document does not say at which temperature of the {word} its constants hold (`calibration.reference_conditions`)")
     })?;
     let covered = run(document, axis, part).map(|part| part.range_c);
-    let (range_c, gap) = match (asked, covered) {
+    let (range_c, gap) = match (part.required(asked), covered) {
         (Some(Temperatures::Range(range)), None) => (range, None),
         (Some(Temperatures::Range([low, high])), Some([coldest, warmest])) => {
             let gap = (low < coldest || high > warmest).then(|| {
@@ -102,7 +89,7 @@ pub fn asked(
             ));
         }
     };
-    Ok(Range { range_c, reference_c, gap })
+    Ok(Range { warmer: range_c.map(|end| end - reference_c), gap })
 }
 
 /// What the temperatures do to a sensor's constants, as the document has it.
@@ -122,7 +109,7 @@ impl Coefficients {
         let fit = document.calibration.as_ref()?.sensor(axis)?.temperature.as_ref()?;
         let value = |name: &String| {
             let (effect, parameter) = name.split_once('.')?;
-            let (part, of) = [Part::Sensor, Part::Electronics]
+            let (part, of) = Part::BOTH
                 .into_iter()
                 .find_map(|part| Some((part, part.effects().iter().position(|own| *own == effect)?)))?;
             let found = run(document, axis, part)?;
@@ -134,11 +121,7 @@ impl Coefficients {
             }
         };
         let values: Option<Vec<f64>> = fit.covariance_order.iter().map(value).collect();
-        let path = |name: &String| {
-            let (of, parameter) = name.split_once('.')?;
-            Some(effect(of, axis, parameter))
-        };
-        let paths: Vec<String> = fit.covariance_order.iter().map(path).collect::<Option<_>>()?;
+        let paths = temperature_paths(axis, fit)?;
         let covariance = joint.covariance(&paths);
         Some(Self { values: values?, names: fit.covariance_order.clone(), paths, covariance })
     }

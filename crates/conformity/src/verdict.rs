@@ -49,7 +49,7 @@ impl RequirementKind {
 }
 
 /// What the document shows of one sensor, pair or component.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShownValue {
     /// Of what.
     pub of: String,
@@ -74,6 +74,15 @@ pub struct Missing {
 
 /// A value or what is missing for it.
 pub type Shown = Result<ShownValue, Missing>;
+
+/// What was found, or why not, with what it is of.
+pub(crate) fn shown(of: impl Into<String>, found: Result<ShownValue, String>) -> Shown {
+    let of = of.into();
+    match found {
+        Ok(found) => Ok(ShownValue { of, ..found }),
+        Err(why) => Err(Missing { of, why }),
+    }
+}
 
 /// The decision rule (JCGM 106:2012, section 8.3; ILAC-G8:09/2019): a guard band of k standard uncertainties
 /// on either side of the limit.
@@ -138,50 +147,45 @@ pub fn normal_std(std: f64, coverage_factor_95: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use Side::{Above, Below, Within};
+    use Verdict::{Fail, NotShown, Pass};
 
-    fn found(value: f64, std: f64, gap: bool) -> ShownValue {
-        let gaps = if gap { vec!["half of it".into()] } else { Vec::new() };
-        ShownValue { of: "x".into(), value, std, gaps, how: String::new() }
+    fn found(value: f64, std: f64) -> ShownValue {
+        ShownValue { value, std, ..ShownValue::default() }
     }
 
     const RULE: Rule = Rule { factor: 1.645 };
 
+    /// L = 1, u = 0.1: the guard band is 0.1645 on one side, 0.196 on both. Without u a limit is met at the
+    /// limit.
     #[test]
     fn guard_bands_by_hand() {
-        // L = 1, u = 0.1: the guard band is 0.1645 on one side, 0.196 on both.
-        let below = |value| RULE.verdict(Side::Below, 1.0, &found(value, 0.1, false));
-        assert_eq!(below(0.8354), Verdict::Pass);
-        assert_eq!(below(0.8356), Verdict::NotShown);
-        assert_eq!(below(1.1644), Verdict::NotShown);
-        assert_eq!(below(1.1646), Verdict::Fail);
-        let within = |value| RULE.verdict(Side::Within, 1.0, &found(value, 0.1, false));
-        assert_eq!(
-            [-0.8039, 0.8041, -1.1959, 1.1961].map(within),
-            [Verdict::Pass, Verdict::NotShown, Verdict::NotShown, Verdict::Fail]
-        );
-        let above = |value| RULE.verdict(Side::Above, 1.0, &found(value, 0.1, false));
-        assert_eq!(
-            [1.1646, 1.1644, 0.8356, 0.8354].map(above),
-            [Verdict::Pass, Verdict::NotShown, Verdict::NotShown, Verdict::Fail]
-        );
-        assert!((RULE.margin(Side::Below, 1.0, &found(0.5, 0.1, false)) - 0.3355).abs() < 1e-12);
-        assert!((RULE.margin(Side::Above, 1.0, &found(1.5, 0.1, false)) - 0.3355).abs() < 1e-12);
-    }
-
-    #[test]
-    fn a_limit_without_uncertainty_is_met_at_the_limit() {
-        assert_eq!(RULE.verdict(Side::Below, 1.0, &found(1.0, 0.0, false)), Verdict::Pass);
-        assert_eq!(RULE.verdict(Side::Within, 1.0, &found(-1.0, 0.0, false)), Verdict::Pass);
-        assert_eq!(RULE.verdict(Side::Above, 1.0, &found(1.0, 0.0, false)), Verdict::Pass);
-        assert_eq!(RULE.verdict(Side::Below, 1.0, &found(f64::NAN, 0.0, false)), Verdict::NotShown);
+        for (side, values) in [
+            (Below, [0.8354, 0.8356, 1.1644, 1.1646]),
+            (Within, [-0.8039, 0.8041, -1.1959, 1.1961]),
+            (Above, [1.1646, 1.1644, 0.8356, 0.8354]),
+        ] {
+            let verdicts = values.map(|value| RULE.verdict(side, 1.0, &found(value, 0.1)));
+            assert_eq!(verdicts, [Pass, NotShown, NotShown, Fail], "{side:?}");
+        }
+        for (side, value, verdict) in
+            [(Below, 1.0, Pass), (Within, -1.0, Pass), (Above, 1.0, Pass), (Below, f64::NAN, NotShown)]
+        {
+            assert_eq!(RULE.verdict(side, 1.0, &found(value, 0.0)), verdict, "{side:?}");
+        }
+        for (side, value) in [(Below, 0.5), (Above, 1.5)] {
+            assert!((RULE.margin(side, 1.0, &found(value, 0.1)) - 0.3355).abs() < 1e-12, "{side:?}");
+        }
     }
 
     #[test]
     fn what_was_seen_in_part_decides_in_one_direction() {
-        assert_eq!(RULE.verdict(Side::Below, 1.0, &found(0.1, 0.1, true)), Verdict::NotShown);
-        assert_eq!(RULE.verdict(Side::Below, 1.0, &found(2.0, 0.1, true)), Verdict::Fail);
-        assert_eq!(RULE.verdict(Side::Above, 1.0, &found(0.1, 0.1, true)), Verdict::NotShown);
-        assert_eq!(RULE.verdict(Side::Above, 1.0, &found(2.0, 0.1, true)), Verdict::Pass);
+        for (side, value, verdict) in
+            [(Below, 0.1, NotShown), (Below, 2.0, Fail), (Above, 0.1, NotShown), (Above, 2.0, Pass)]
+        {
+            let part = ShownValue { gaps: vec!["half of it".into()], ..found(value, 0.1) };
+            assert_eq!(RULE.verdict(side, 1.0, &part), verdict, "{side:?} {value}");
+        }
     }
 
     #[test]

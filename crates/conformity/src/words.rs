@@ -17,34 +17,15 @@ pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
     let judged = judge(document, spec)?;
     let mut section = Section::new(ID, format!("Conformity: {}", spec.title));
     section.words = head(document, spec, &judged);
-    section.warnings = judged
-        .iter()
-        .filter(|one| one.verdict == Verdict::Fail)
-        .map(|one| Finding::of(failure(one), VERDICT))
-        .collect();
-    let mut table = Table::new(
-        "Requirements",
-        [
-            ("requirement", ""),
-            ("limit", ""),
-            ("value ± u", ""),
-            ("margin", ""),
-            ("unit", ""),
-            ("verdict", ""),
-        ],
-    );
+    let failed = judged.iter().filter(|one| one.verdict == Verdict::Fail);
+    section.warnings = failed.map(|one| Finding::of(failure(one), VERDICT)).collect();
+    let mut table = Table::new("Requirements", "requirement | limit | value ± u | margin | unit | verdict");
     for one in &judged {
-        let side = one.requirement.kind.side();
-        let found = decisive(one);
-        let margin = found.map(|found| rule.margin(side, one.requirement.limit, found));
-        table.row([
-            Cell::from(titled(one.requirement)),
-            Cell::from(limit(one.requirement)),
-            found.map(value).into(),
-            margin.map(|margin| Cell::Figures(margin, 3)).into(),
-            Cell::from(one.requirement.kind.unit()),
-            Cell::from(one.verdict.word()),
-        ]);
+        let (asked, found) = (one.requirement, decisive(one));
+        let (unit, verdict) = (asked.kind.unit(), one.verdict.word());
+        let margin = found.map(|found| rule.margin(asked.kind.side(), asked.limit, found));
+        let value = found.map(value);
+        table.row((titled(asked), limit(asked), value, Cell::figures(margin, 3), unit, verdict));
     }
     section.table(table);
     section.items.push(Item::Heading("Decision rule".into()));
@@ -53,7 +34,10 @@ pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
     for one in &judged {
         section.say(found_how(one));
     }
-    section.table(each(&judged));
+    let all = judged.iter().flat_map(|one| one.shown.iter().flatten().map(|found| (one.requirement, found)));
+    let values =
+        all.map(|(asked, found)| (&asked.title, &found.of, value(found), asked.kind.unit(), &found.how));
+    section.rows("Every value", "requirement | of | value ± u | unit | what it is", values);
     Ok(section)
 }
 
@@ -152,26 +136,6 @@ fn found_how(one: &Judged<'_>) -> String {
             .extend(some.iter().map(|missing| format!("Not shown of {}: {}.", missing.of, missing.why))),
     }
     sentences.join(" ")
-}
-
-/// Every value that the statement rests on.
-fn each(judged: &[Judged<'_>]) -> Table {
-    let mut table = Table::new(
-        "Every value",
-        [("requirement", ""), ("of", ""), ("value ± u", ""), ("unit", ""), ("what it is", "")],
-    );
-    for one in judged {
-        for found in one.shown.iter().flatten() {
-            table.row([
-                Cell::from(one.requirement.title.as_str()),
-                Cell::from(found.of.as_str()),
-                value(found),
-                Cell::from(one.requirement.kind.unit()),
-                Cell::from(found.how.as_str()),
-            ]);
-        }
-    }
-    table
 }
 
 /// What a value is, in a sentence.

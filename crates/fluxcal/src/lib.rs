@@ -1,9 +1,5 @@
 //! The programs of fluxcal, by name.
 
-mod completions;
-
-pub use completions::script;
-
 use std::env::{self, consts::EXE_SUFFIX};
 use std::path::PathBuf;
 
@@ -70,6 +66,18 @@ pub fn program(name: &str) -> Option<Program> {
 pub fn nearest(name: &str) -> Option<Program> {
     let alike = |program: &Program| strsim::jaro_winkler(name, program.name);
     PROGRAMS.into_iter().max_by(|a, b| alike(a).total_cmp(&alike(b))).filter(|program| alike(program) > ALIKE)
+}
+
+/// The completions for a shell, which go on with those of the program that is named: its options are its own,
+/// and are asked of it. None where the shell has none of its own, and only the programs' names are completed.
+pub fn script(shell: &str) -> Option<String> {
+    let script = match shell {
+        "bash" => include_str!("completions/bash"),
+        "zsh" => include_str!("completions/zsh"),
+        "fish" => include_str!("completions/fish"),
+        _ => return None,
+    };
+    Some(script.replace("PROGRAMS", &PROGRAMS.map(|program| program.name).join(" ")))
 }
 
 impl Program {

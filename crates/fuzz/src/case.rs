@@ -11,9 +11,6 @@ use crate::mutate;
 /// A command line with its files.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// What it reads and writes.
-    pub line: Line,
-    /// Program and arguments.
     pub words: Vec<String>,
     /// Files by name, that which was changed first.
     pub files: Vec<(String, Vec<u8>)>,
@@ -51,7 +48,7 @@ impl Case {
         if let Some((_, options)) = OPTIONS.iter().find(|(begins, _)| line.words.starts_with(begins))
             && draw.chance(if line.kind == FileKind::Orientations { 80 } else { 12 })
         {
-            for word in draw.of(options).split(' ') {
+            for word in draw.part(options).split(' ') {
                 let mut word = word.to_string();
                 while word.contains('#') {
                     word = word.replacen('#', mutate::values::typed(draw), 1);
@@ -72,7 +69,7 @@ impl Case {
             files.push(("around.json".into(), around(corpus)));
         }
         let on_stdin = line.words.ends_with(" -");
-        Self { line, words, files, on_stdin, told: format!("{}: {}", seed.name, edits.join(", ")) }
+        Self { words, files, on_stdin, told: format!("{}: {}", seed.name, edits.join(", ")) }
     }
 }
 

@@ -1,10 +1,7 @@
 //! What no program may do, whatever it reads.
 
-mod fault;
 pub mod json;
-pub mod words;
-
-pub use fault::{Fault, Rule};
+mod words;
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,13 +9,13 @@ use std::path::Path;
 
 use crate::Error;
 use crate::commands::Writes;
+use crate::finding::{Fault, Rule};
 use crate::run::{End, Ended};
 use json::Schemas;
 
 /// The files of a folder, with their sizes.
 pub type Listing = BTreeMap<String, u64>;
 
-/// The files of a folder.
 pub fn listing(folder: &Path) -> Result<Listing, Error> {
     let failed = |e| Error::file(folder, "read", e);
     let mut files = Listing::new();
@@ -32,11 +29,10 @@ pub fn listing(folder: &Path) -> Result<Listing, Error> {
 
 /// A program that was run.
 pub struct Run {
-    /// What it did.
+    /// Its command line.
+    pub asked: String,
     pub ended: Ended,
-    /// The files before it ran.
     pub before: Listing,
-    /// The files after it ran.
     pub after: Listing,
     /// What it wrote, if it succeeded: standard output or a file.
     pub written: Vec<u8>,
@@ -44,8 +40,8 @@ pub struct Run {
 
 /// All faults of a run that writes such a thing where it succeeds. What it read and its command line may be
 /// repeated in its words.
-pub fn faults(run: &Run, writes: Writes, read: &[u8], asked: &str, schemas: &Schemas) -> Vec<Fault> {
-    let Run { ended, before, after, written } = run;
+pub fn faults(run: &Run, writes: Writes, read: &[u8], schemas: &Schemas) -> Vec<Fault> {
+    let Run { asked, ended, before, after, written } = run;
     let mut faults = Vec::new();
     if let Some(line) = ended.stderr.lines().find(|line| line.contains("panicked at")) {
         let message = ended.stderr.lines().skip_while(|other| *other != line).nth(1).unwrap_or_default();
@@ -73,16 +69,12 @@ pub fn faults(run: &Run, writes: Writes, read: &[u8], asked: &str, schemas: &Sch
     }
     if ended.end != End::Code(0) {
         if !ended.stdout.is_empty() {
-            let bytes = ended.stdout.len();
-            faults.push(Fault::new(
-                Rule::LeftBehind,
-                format!("{bytes} bytes on standard output beside a failure"),
-            ));
+            let found = format!("{} bytes on standard output beside a failure", ended.stdout.len());
+            faults.push(Fault::new(Rule::LeftBehind, found));
         }
         let changed = after.iter().filter(|(name, size)| before.get(*name) != Some(*size));
-        faults.extend(
-            changed.map(|(name, _)| Fault::new(Rule::LeftBehind, format!("{name} beside a failure"))),
-        );
+        let fault = |name: &String| Fault::new(Rule::LeftBehind, format!("{name} beside a failure"));
+        faults.extend(changed.map(|(name, _)| fault(name)));
     } else if let Some(name) = after.keys().find(|name| name.ends_with(".part")) {
         faults.push(Fault::new(Rule::LeftBehind, format!("{name} beside what is done")));
     }

@@ -9,11 +9,9 @@ use crate::kind::FileKind;
 /// What a program writes where it succeeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Writes {
-    /// A document, which other programs read.
     Document,
     /// A document a line.
     Documents,
-    /// A mapping.
     Mapping,
     /// Statistics of a piece.
     Piece,
@@ -30,14 +28,11 @@ pub struct Line {
     pub kind: FileKind,
     /// How often, among the lines of its kind.
     pub weight: usize,
-    /// Program and arguments.
     pub words: &'static str,
-    /// What it writes.
     pub writes: Writes,
 }
 
 impl Line {
-    /// The program's name.
     pub fn program(&self) -> &'static str {
         program(self.words)
     }
@@ -73,6 +68,8 @@ pub const LINES: [Line; 81] = {
     use Writes::{Documents, Json, Text};
     const DOC: FileKind = FileKind::Document;
     const TO_DOC: Writes = Writes::Document;
+    const GEO_OF_A_TABLE: &str = "correct --frame geo --calibration IN --recording flight fixtures/correct/flight/readings.csv -o OUT.ndjson";
+    const DAY_OF_AN_OBSERVATORY: &str = "correct --calibration IN --iaga FLX --start 2026-05-26T00:00:00Z fixtures/correct/flight/readings.csv -o OUT.min";
     [
         line(DOC, 10, "coilcal IN", TO_DOC),
         line(DOC, 1, "coilcal -", TO_DOC),
@@ -98,18 +95,8 @@ pub const LINES: [Line; 81] = {
         line(DOC, 8, "correct IN", TO_DOC),
         line(DOC, 2, "correct --frame geo IN", TO_DOC),
         line(DOC, 4, "correct --calibration IN fixtures/correct/flight/readings.csv -o OUT.csv", Text),
-        line(
-            DOC,
-            1,
-            "correct --frame geo --calibration IN --recording flight fixtures/correct/flight/readings.csv -o OUT.ndjson",
-            Text,
-        ),
-        line(
-            DOC,
-            2,
-            "correct --calibration IN --iaga FLX --start 2026-05-26T00:00:00Z fixtures/correct/flight/readings.csv -o OUT.min",
-            Text,
-        ),
+        line(DOC, 1, GEO_OF_A_TABLE, Text),
+        line(DOC, 2, DAY_OF_AN_OBSERVATORY, Text),
         line(DOC, 5, "report IN", Text),
         line(DOC, 7, "report --text IN", Text),
         line(DOC, 3, "report --text --spec fixtures/specs/magsat.json IN", Text),
@@ -168,34 +155,27 @@ pub const LINES: [Line; 81] = {
     ]
 };
 
-/// Options with a number that is at times absurd (`#`) or a word that is (`@`), by the beginning of the
-/// command line.
-pub const OPTIONS: [(&str, &[&str]); 15] = [
-    ("coilcal", &["--off-centre-m #", "--nyquist-hz #"]),
-    ("sensorcal", &["--turn-deg #", "--axes-std-deg #", "--budget-field-nt #", "--budget-warmer-k #"]),
+/// Options with a number that is at times absurd (`#`) or a word that is (`@`), bars between them, by the
+/// beginning of the command line.
+pub const OPTIONS: [(&str, &str); 15] = [
+    ("coilcal", "--off-centre-m #|--nyquist-hz #"),
+    ("sensorcal", "--turn-deg #|--axes-std-deg #|--budget-field-nt #|--budget-warmer-k #"),
     (
         "axescal design",
-        &[
-            "--number #",
-            "--noise-nt #",
-            "--quantisation-nt #",
-            "--drive-nt #",
-            "--theodolite-arcsec #",
-            "--table-to #",
-        ],
+        "--number #|--noise-nt #|--quantisation-nt #|--drive-nt #|--theodolite-arcsec #|--table-to #",
     ),
-    ("diffmag stream", &["--step-s #"]),
-    ("scalarcal", &["--windows #"]),
-    ("diagnose", &["--level #", "--seed #"]),
-    ("correct", &["--recording @", "--start @", "--iaga @"]),
-    ("series average", &["--window #", "--share #", "--recording @"]),
-    ("series resample", &["--step #", "--recording @"]),
-    ("series cut", &["--from #", "--to #", "--from @"]),
-    ("series join", &["--id @", "--procedure @"]),
-    ("simulate campaign", &["--seed #"]),
-    ("simulate replay", &["--seed #"]),
-    ("simulate sweep", &["--set noise=#", "--set seed=#,#", "--set @=#", "--seeds #..#"]),
-    ("ingest", &["--declination-base-arcmin #", "--id @", "--procedure @", "--as reference", "--as test"]),
+    ("diffmag stream", "--step-s #"),
+    ("scalarcal", "--windows #"),
+    ("diagnose", "--level #|--seed #"),
+    ("correct", "--recording @|--start @|--iaga @"),
+    ("series average", "--window #|--share #|--recording @"),
+    ("series resample", "--step #|--recording @"),
+    ("series cut", "--from #|--to #|--from @"),
+    ("series join", "--id @|--procedure @"),
+    ("simulate campaign", "--seed #"),
+    ("simulate replay", "--seed #"),
+    ("simulate sweep", "--set noise=#|--set seed=#,#|--set @=#|--seeds #..#"),
+    ("ingest", "--declination-base-arcmin #|--id @|--procedure @|--as reference|--as test"),
 ];
 
 /// The programs that read what a program wrote.

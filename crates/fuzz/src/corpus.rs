@@ -13,30 +13,22 @@ use crate::kind::FileKind;
 pub struct Seed {
     /// Its path below `fixtures`, or how it was made.
     pub name: String,
-    /// What it is.
     pub kind: FileKind,
-    /// Its content.
     pub bytes: Vec<u8>,
     /// The same, where it is one JSON value.
     pub value: Option<Value>,
 }
 
 impl Seed {
-    /// A file of that name and content, of a kind.
     pub fn new(name: impl Into<String>, kind: FileKind, bytes: Vec<u8>) -> Self {
         let value = if kind.is_json() { serde_json::from_slice(&bytes).ok() } else { None };
         Self { name: name.into(), kind, bytes, value }
-    }
-
-    fn is_bad(&self) -> bool {
-        self.name.contains("bad/")
     }
 }
 
 /// What cases begin with.
 #[derive(Clone, Debug, Default)]
 pub struct Corpus {
-    /// Where the fixtures are.
     pub fixtures: PathBuf,
     /// All files, in the order of their names.
     pub seeds: Vec<Seed>,
@@ -64,12 +56,9 @@ impl Corpus {
     /// One for a program: mostly a good one that was made for it, sometimes a bad one or any of its kind.
     pub fn choose(&self, kind: FileKind, program: &str, draw: &mut Draw) -> &Seed {
         let is_near = |seed: &Seed| near(program).iter().any(|part| seed.name.contains(part));
-        let (good, bad, any): (Vec<_>, Vec<_>, Vec<_>) = {
-            let all: Vec<&Seed> = self.seeds.iter().filter(|seed| seed.kind == kind).collect();
-            let near: Vec<&Seed> = all.iter().copied().filter(|seed| is_near(seed)).collect();
-            let (bad, good) = near.into_iter().partition(|seed| seed.is_bad());
-            (good, bad, all)
-        };
+        let any: Vec<&Seed> = self.seeds.iter().filter(|seed| seed.kind == kind).collect();
+        let near = any.iter().copied().filter(|seed| is_near(seed));
+        let (bad, good): (Vec<&Seed>, Vec<&Seed>) = near.partition(|seed| seed.name.contains("bad/"));
         let choices: [(usize, &[&Seed]); 3] = [(80, &good), (8, &bad), (12, &any)];
         let list = *draw.weighted::<&[&Seed]>(&choices);
         let list = if list.is_empty() { &any } else { list };
@@ -78,14 +67,16 @@ impl Corpus {
 
     /// Any JSON value of a kind.
     pub fn any_value(&self, kind: FileKind, draw: &mut Draw) -> Option<&Value> {
-        let all: Vec<&Value> = self
-            .seeds
-            .iter()
-            .filter(|seed| seed.kind == kind)
-            .filter_map(|seed| seed.value.as_ref())
-            .collect();
+        let own = self.seeds.iter().filter(|seed| seed.kind == kind);
+        let all: Vec<&Value> = own.filter_map(|seed| seed.value.as_ref()).collect();
         if all.is_empty() { None } else { Some(*draw.of(&all)) }
     }
+}
+
+/// What a change may take parts from: the files of the same kind.
+pub struct Context<'a> {
+    pub corpus: &'a Corpus,
+    pub kind: FileKind,
 }
 
 /// What stands in the names of fixtures with something for a program.

@@ -8,7 +8,6 @@ use rand_chacha::ChaCha8Rng;
 pub struct Draw(ChaCha8Rng);
 
 impl Draw {
-    /// The source of a case.
     pub fn new(seed: u64, case: u64) -> Self {
         let mut generator = ChaCha8Rng::seed_from_u64(seed);
         generator.set_stream(case);
@@ -53,7 +52,6 @@ impl Draw {
         &list[0].1
     }
 
-    /// Any order.
     pub fn shuffle<T>(&mut self, list: &mut [T]) {
         for last in (1..list.len()).rev() {
             list.swap(last, self.below(last + 1));

@@ -1,39 +1,75 @@
-//! A case that broke a rule, as it is told and kept.
+//! The rules, and a case that broke one, as it is told and kept.
 
+use std::fmt;
 use std::fs;
 use std::path::Path;
 
 use crate::Error;
-use crate::check::Fault;
+
+/// A rule that was broken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Rule {
+    /// No panic.
+    Panic,
+    /// No end by a signal.
+    Signal,
+    /// An end within the time.
+    Hang,
+    /// The exit codes are 0, 1 and 2.
+    Code,
+    /// Nothing is written or left behind where a program fails, and nothing half done ever.
+    LeftBehind,
+    /// A failure is told in words that are not those of the program's insides.
+    Message,
+    /// Numbers are numbers: in documents, pages, tables and words.
+    NotANumber,
+    /// What is written is what its schema says.
+    Schema,
+    /// What a program writes, the next one reads.
+    Refused,
+}
+
+/// A broken rule, with what broke it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    pub rule: Rule,
+    pub found: String,
+}
+
+impl Fault {
+    pub fn new(rule: Rule, found: impl Into<String>) -> Self {
+        Self { rule, found: found.into() }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?}: {}", self.rule, self.found)
+    }
+}
 
 /// A case and what it broke.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// The seed of the run.
-    pub seed: u64,
-    /// The case.
-    pub case: u64,
+    pub(crate) seed: u64,
+    pub(crate) case: u64,
     /// The fixture, and what was changed.
-    pub told: String,
+    pub(crate) told: String,
     /// The command lines, the last of which broke the rules.
-    pub commands: Vec<String>,
-    /// How.
-    pub faults: Vec<Fault>,
-    /// What the program said.
-    pub stderr: String,
+    pub(crate) commands: Vec<String>,
+    pub(crate) faults: Vec<Fault>,
+    pub(crate) stderr: String,
     /// The files that it was given, by name.
-    pub files: Vec<(String, Vec<u8>)>,
+    pub(crate) files: Vec<(String, Vec<u8>)>,
 }
 
 impl Finding {
     /// What makes findings alike: the program, the rules and the words without their numbers.
     pub fn likeness(&self) -> String {
-        let command =
-            self.commands.last().map_or("", |command| command.split(' ').next().unwrap_or_default());
+        let command = self.commands.last().and_then(|command| command.split(' ').next()).unwrap_or_default();
         let faults: Vec<String> = self.faults.iter().map(ToString::to_string).collect();
         let text = format!("{command} {}", faults.join("; "));
-        let text: String = text.chars().filter(|c| !c.is_ascii_digit()).take(120).collect();
-        text
+        text.chars().filter(|c| !c.is_ascii_digit()).take(120).collect()
     }
 
     /// As people read it.

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::check::{Fault, Rule};
+use crate::finding::{Fault, Rule};
 use crate::run::{End, Ended};
 
 /// A refusal as a fault of the program before, unless what is refused was there before it.

@@ -13,18 +13,21 @@
 //! fixture of `fixtures/bad` or a test. The first three hundred cases are a test, without a clock; `just
 //! fuzz` takes ten minutes.
 
-pub mod case;
-pub mod check;
-pub mod commands;
-pub mod corpus;
-pub mod draw;
-pub mod finding;
-pub mod follow;
-pub mod kind;
-pub mod made;
-pub mod mutate;
-pub mod programs;
-pub mod run;
-pub mod session;
+mod case;
+mod check;
+mod commands;
+mod corpus;
+mod draw;
+mod finding;
+mod follow;
+mod kind;
+mod made;
+mod mutate;
+mod programs;
+mod run;
+mod session;
 
 pub use common::Error;
+pub use finding::Finding;
+pub use programs::{NAMES, Programs};
+pub use session::{Session, Settings, Summary};

@@ -20,23 +20,14 @@ const MADE: [(FileKind, &str); 5] = [
 ];
 
 /// Adds them to the fixtures.
-///
-/// # Errors
-///
-/// A program that does not do what its own examples do.
 pub fn add(corpus: &mut Corpus, programs: &Programs) -> Result<(), Error> {
     let folder = tempfile::tempdir().map_err(|e| Error::file("a temporary folder", "written", e))?;
     let fixtures = format!("{}/", corpus.fixtures.display());
     for (kind, line) in MADE {
         let words: Vec<String> =
             line.split(' ').map(|word| word.replacen("fixtures/", &fixtures, 1)).collect();
-        let done = run::run(
-            &programs.path(&words[0]),
-            &words[1..],
-            (folder.path(), folder.path()),
-            None,
-            PROCESSOR_S,
-        )?;
+        let (program, folder) = (programs.path(&words[0]), folder.path());
+        let done = run::run(&program, &words[1..], (folder, folder), None, PROCESSOR_S)?;
         if done.end != End::Code(0) {
             return Err(Error::Request(format!("{line}: {:?}, {}", done.end, done.stderr.trim())));
         }

@@ -1,9 +1,7 @@
 //! `fuzz`: every program on fixtures that were changed.
 
 use clap::Parser;
-use fuzz::Error;
-use fuzz::programs::{NAMES, Programs};
-use fuzz::session::{Session, Settings, Summary};
+use fuzz::{Error, NAMES, Programs, Session, Settings, Summary};
 use program::pipe::{self, Program};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -101,12 +99,8 @@ fn run(cli: Cli) -> Result<(), Error> {
 fn counts(summary: &Summary) -> String {
     let mut text = format!("fuzz: {} cases, {} runs", summary.cases, summary.runs.values().sum::<u64>());
     for name in NAMES {
-        let ends: Vec<String> = summary
-            .runs
-            .iter()
-            .filter(|((program, _), _)| program == name)
-            .map(|((_, end), count)| format!("{count} {end}"))
-            .collect();
+        let own = summary.runs.iter().filter(|((program, _), _)| program == name);
+        let ends: Vec<String> = own.map(|((_, end), count)| format!("{count} {end}")).collect();
         text += &format!("\n  {name}: {}", ends.join(", "));
     }
     text

@@ -1,12 +1,10 @@
 //! Changes to files: mostly small, sometimes several at once.
 
-pub mod bytes;
-pub mod change;
-pub mod columns;
+mod columns;
 pub mod json;
 pub mod pointers;
-pub mod recordings;
-pub mod text;
+mod recordings;
+mod text;
 pub mod values;
 
 use crate::corpus::{Corpus, Seed};
@@ -29,10 +27,28 @@ pub fn changed(seed: &Seed, corpus: &Corpus, draw: &mut Draw) -> (Vec<u8>, Vec<&
     };
     for _ in 0..edits {
         done.push(match seed.kind {
-            FileKind::Parquet | FileKind::Cdf => bytes::edit(&mut bytes, draw),
-            _ if draw.chance(12) => bytes::edit(&mut bytes, draw),
+            FileKind::Parquet | FileKind::Cdf => text::edit_bytes(&mut bytes, draw),
+            _ if draw.chance(12) => text::edit_bytes(&mut bytes, draw),
             kind => text::edit(&mut bytes, kind, draw),
         });
     }
     (bytes, done)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_content_will_do() {
+        let mut draw = Draw::new(1, 1);
+        for text in ["", "\n", "a,b\n1,2\n", "{\"a\": -1.5e3}\n", &"7".repeat(4000)] {
+            for _ in 0..200 {
+                text::edit_bytes(&mut text.as_bytes().to_vec(), &mut draw);
+                for kind in [FileKind::Csv, FileKind::Iaga, FileKind::Ndjson, FileKind::Document] {
+                    text::edit(&mut text.as_bytes().to_vec(), kind, &mut draw);
+                }
+            }
+        }
+    }
 }

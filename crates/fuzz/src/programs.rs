@@ -37,10 +37,6 @@ impl Programs {
     }
 
     /// In a folder; absent: beside the running program, or above it where that is a test.
-    ///
-    /// # Errors
-    ///
-    /// A program that is not there, with what builds it.
     pub fn find(folder: Option<&Path>) -> Result<Self, Error> {
         let folder = match folder {
             Some(folder) => std::path::absolute(folder).map_err(|e| Error::file(folder, "read", e))?,
@@ -61,8 +57,7 @@ impl Programs {
         }
     }
 
-    /// A program of that name.
-    pub fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 }

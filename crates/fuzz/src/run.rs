@@ -17,9 +17,7 @@ const OVER_TIME: i32 = 24;
 /// How a program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// With an exit code.
     Code(i32),
-    /// By a signal.
     Signal(i32),
     /// It had not ended in its time.
     Hang,
@@ -28,11 +26,8 @@ pub enum End {
 /// What a program did.
 #[derive(Clone, Debug)]
 pub struct Ended {
-    /// How it ended.
     pub end: End,
-    /// What it wrote to standard output.
     pub stdout: Vec<u8>,
-    /// What it said on standard error.
     pub stderr: String,
 }
 

@@ -12,11 +12,11 @@ use std::time::{Duration, Instant};
 use crate::Error;
 use crate::case::{self, Case};
 use crate::check::json::Schemas;
-use crate::check::{self, Fault, Rule, Run};
+use crate::check::{self, Run};
 use crate::commands::{self, Writes};
 use crate::corpus::Corpus;
 use crate::draw::Draw;
-use crate::finding::Finding;
+use crate::finding::{Fault, Finding, Rule};
 use crate::follow;
 use crate::kind::FileKind;
 use crate::made;
@@ -68,10 +68,6 @@ pub struct Session {
 
 impl Session {
     /// With the fixtures of the workspace.
-    ///
-    /// # Errors
-    ///
-    /// Fixtures or schemas that cannot be read; a program that does not run.
     pub fn new(programs: Programs) -> Result<Self, Error> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut corpus = Corpus::read(&root.join("fixtures"))?;
@@ -80,10 +76,6 @@ impl Session {
     }
 
     /// Runs cases, and tells each finding as it comes by `tell`.
-    ///
-    /// # Errors
-    ///
-    /// A folder that cannot be written to, a program that cannot be run.
     pub fn run(&self, settings: &Settings, tell: impl Fn(&Finding) + Sync) -> Result<Summary, Error> {
         let (next, begun) = (AtomicU64::new(settings.cases.start), Instant::now());
         let summary = Mutex::new(Summary::default());
@@ -135,7 +127,7 @@ impl Session {
         let stdin = case.on_stdin.then(|| place.folder.join(line.kind.file()));
         let first = place.run(&case.words, stdin.as_deref())?;
         let mut read = files[0].1.clone();
-        let mut faults = self.judge(&place, &first, line.writes, &read, &case.words);
+        let mut faults = self.judge(&place, &first, line.writes, &read);
         if first.ended.end == End::Code(0) && place.folder.join("out-truth.json").is_file() {
             let truth = fs::read(place.folder.join("out-truth.json")).unwrap_or_default();
             faults.extend(self.schemas.of_truth(&truth));
@@ -150,15 +142,10 @@ impl Session {
                 (Writes::Piece, _) => &["diffmag merge"],
                 _ => commands::next(program),
             };
-            let reads_on = matches!(writes, Writes::Document | Writes::Piece);
-            let is_small = last.written.len() <= LARGEST;
-            if !is_small
-                || !faults.is_empty()
-                || last.ended.end != End::Code(0)
-                || !reads_on
-                || after.is_empty()
-                || draw.chance(25)
-            {
+            let reads_on = matches!(writes, Writes::Document | Writes::Piece) && !after.is_empty();
+            let is_done = faults.is_empty() && last.ended.end == End::Code(0);
+            let goes_on = is_done && reads_on && last.written.len() <= LARGEST;
+            if !goes_on || draw.chance(25) {
                 break;
             }
             let next = *draw.of(after);
@@ -169,7 +156,7 @@ impl Session {
             let done = place.run(&words, None)?;
             let was_document = writes == Writes::Document;
             writes = if next.starts_with("report") { Writes::Text } else { Writes::Document };
-            faults = self.judge(&place, &done, writes, &written, &words);
+            faults = self.judge(&place, &done, writes, &written);
             if done.ended.end == End::Code(2) {
                 // Whether the fault was there before.
                 let mut then = None;
@@ -195,15 +182,8 @@ impl Session {
         Ok(Some(Done { runs: place.runs, finding }))
     }
 
-    fn judge(
-        &self,
-        place: &Place<'_>,
-        done: &Run,
-        writes: Writes,
-        read: &[u8],
-        words: &[String],
-    ) -> Vec<Fault> {
-        let mut faults = check::faults(done, writes, read, &words.join(" "), &self.schemas);
+    fn judge(&self, place: &Place<'_>, done: &Run, writes: Writes, read: &[u8]) -> Vec<Fault> {
+        let mut faults = check::faults(done, writes, read, &self.schemas);
         // A long line of the input is repeated in part; the folder's name is never said.
         if done.ended.stderr.contains(&*place.folder.to_string_lossy()) && faults.is_empty() {
             faults.push(Fault::new(Rule::Message, "a path that nobody gave"));
@@ -254,12 +234,13 @@ impl<'a> Place<'a> {
             Some(name) if ended.end == End::Code(0) => fs::read(self.folder.join(name)).unwrap_or_default(),
             _ => ended.stdout.clone(),
         };
-        let mut command: String = words.join(" ").chars().take(400).collect();
+        let asked = words.join(" ");
+        let mut command: String = asked.chars().take(400).collect();
         if let Some(path) = stdin {
             command += &format!(" < {}", path.file_name().unwrap_or_default().to_string_lossy());
         }
         self.commands.push(command);
         self.runs.push((words[0].clone(), format!("{:?}", ended.end)));
-        Ok(Run { ended, before, after, written })
+        Ok(Run { asked, ended, before, after, written })
     }
 }

@@ -4,8 +4,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
 
-use crate::escape::escape;
 use crate::plot::{self, Plot};
+use crate::words::escape;
 use crate::{Cell, Header, Item, Page, Section, Table, number};
 
 const STYLE: &str = include_str!("style.css");
@@ -100,22 +100,20 @@ fn paragraphs(out: &mut String, all: &[String]) {
 fn table(out: &mut String, table: &Table) {
     let caption = escape(&table.caption);
     if table.rows.len() > FOLDED {
-        let _ = writeln!(
-            out,
-            "<details>\n<summary>{caption} ({})</summary>",
-            number::counted(table.rows.len(), "row")
-        );
-        grid(out, table, "");
-        out.push_str("</details>\n");
+        folded(out, &format!("{caption} ({})", number::counted(table.rows.len(), "row")), table);
     } else {
-        grid(out, table, &caption);
+        let _ = writeln!(out, "<p class=\"caption\">{caption}</p>");
+        grid(out, table);
     }
 }
 
-fn grid(out: &mut String, table: &Table, caption: &str) {
-    if !caption.is_empty() {
-        let _ = writeln!(out, "<p class=\"caption\">{caption}</p>");
-    }
+fn folded(out: &mut String, summary: &str, table: &Table) {
+    let _ = writeln!(out, "<details>\n<summary>{summary}</summary>");
+    grid(out, table);
+    out.push_str("</details>\n");
+}
+
+fn grid(out: &mut String, table: &Table) {
     let _ = writeln!(out, "<div class=\"scroll\"><table aria-label=\"{}\">", escape(&table.caption));
     out.push_str("<thead><tr>");
     for Header { name, unit } in &table.headers {
@@ -129,7 +127,7 @@ fn grid(out: &mut String, table: &Table, caption: &str) {
     for row in &table.rows {
         out.push_str("<tr>");
         for (column, cell) in row.iter().enumerate() {
-            let text = escape(&number::cell(cell));
+            let text = escape(&cell.to_string());
             let broken = matches!(cell, Cell::Text(_)) && text.chars().count() > SHORT;
             let class = if broken { "" } else { " class=\"whole\"" };
             let _ = match column {
@@ -164,15 +162,13 @@ fn figure(out: &mut String, plot: &Plot) {
     let count: usize = plot.series.iter().map(|series| series.values().count()).sum();
     let rows = number::counted(count, "row");
     if count <= IN_TABLE {
-        let _ = writeln!(out, "<details>\n<summary>Numbers ({rows})</summary>");
-        grid(out, &plot.table(), "");
-        out.push_str("</details>\n");
+        folded(out, &format!("Numbers ({rows})"), &plot.table());
     }
     let _ = writeln!(
         out,
         "<p class=\"data\"><a download=\"{0}.csv\" href=\"data:text/csv;charset=utf-8;base64,{1}\">Data of this plot (CSV, {rows})</a></p>\n</figure>",
         plot.id,
-        STANDARD.encode(plot::csv(&plot))
+        STANDARD.encode(plot.csv())
     );
 }
 

@@ -5,7 +5,6 @@
 //! shapes), some 600 lines, where a library would bring fonts and colours: ours are classes, so that the
 //! page's style sets the theme. The HTML is well-formed XML, which a parser checks.
 
-pub mod escape;
 pub mod html;
 mod model;
 pub mod number;
@@ -15,4 +14,4 @@ pub mod text;
 pub mod words;
 
 pub use model::{Effect, Finding, Item, Page, Section};
-pub use table::{Cell, Header, Table};
+pub use table::{Cell, Header, Row, Table};

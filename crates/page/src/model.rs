@@ -1,5 +1,5 @@
 use crate::plot::Plot;
-use crate::table::{Cell, Table};
+use crate::table::{Cell, Row, Table};
 
 /// A page before it is written as HTML or text.
 #[derive(Clone, Debug, Default)]
@@ -130,6 +130,18 @@ impl Section {
         if !table.rows.is_empty() {
             self.items.push(Item::Table(table));
         }
+    }
+
+    /// Adds a table of rows, likewise.
+    pub fn rows<R: Row>(
+        &mut self,
+        caption: impl Into<String>,
+        headers: &str,
+        rows: impl IntoIterator<Item = R>,
+    ) {
+        let mut table = Table::new(caption, headers);
+        rows.into_iter().for_each(|row| table.row(row));
+        self.table(table);
     }
 
     /// Adds a plot, unless there is nothing to draw.

@@ -1,6 +1,9 @@
 //! A table and its cells, before they are written as HTML or text.
 
-use common::Quantity;
+use common::{Axis, Quantity};
+use std::fmt;
+
+use crate::number::{bare, figures, probability, uncertain};
 
 /// A table; every row has as many cells as there are headers.
 #[derive(Clone, Debug, Default)]
@@ -48,41 +51,100 @@ pub enum Cell {
 }
 
 impl Table {
-    /// A table without rows as yet; each header is a name with its unit.
-    pub fn new<const N: usize>(caption: impl Into<String>, headers: [(&str, &str); N]) -> Self {
-        let header = |(name, unit): (&str, &str)| Header { name: name.into(), unit: unit.into() };
-        Self { caption: caption.into(), headers: headers.map(header).into(), rows: Vec::new() }
+    /// A table without rows as yet. Bars stand between its headers, units in brackets: `"axis | rms [nT]"`.
+    pub fn new(caption: impl Into<String>, headers: &str) -> Self {
+        let headers = headers.split('|').map(|header| Header::from(header.trim())).collect();
+        Self { caption: caption.into(), headers, rows: Vec::new() }
     }
 
     /// Adds a row.
-    pub fn row<const N: usize>(&mut self, cells: [Cell; N]) {
-        debug_assert_eq!(N, self.headers.len(), "{}", self.caption);
-        self.rows.push(cells.into());
+    pub fn row(&mut self, cells: impl Row) {
+        let cells = cells.cells();
+        debug_assert_eq!(cells.len(), self.headers.len(), "{}", self.caption);
+        self.rows.push(cells);
     }
 }
 
-impl From<&str> for Cell {
+impl From<&str> for Header {
+    /// A name with its unit in brackets behind it, where it has one.
     fn from(text: &str) -> Self {
-        Cell::Text(text.into())
+        let parts = text.strip_suffix(']').and_then(|text| text.rsplit_once(" ["));
+        let (name, unit) = parts.unwrap_or((text, ""));
+        Self { name: name.into(), unit: unit.into() }
     }
 }
 
-impl From<String> for Cell {
-    fn from(text: String) -> Self {
-        Cell::Text(text)
+/// The cells of a row, as a tuple of what they hold.
+pub trait Row {
+    /// The cells in their order.
+    fn cells(self) -> Vec<Cell>;
+}
+
+/// Tuples of so many cells and fewer, down to two.
+macro_rules! rows {
+    ($last:ident) => {};
+    ($cell:ident $($more:ident)+) => {
+        impl<$cell: Into<Cell>, $($more: Into<Cell>),+> Row for ($cell, $($more),+) {
+            #[allow(non_snake_case)]
+            fn cells(self) -> Vec<Cell> {
+                let ($cell, $($more),+) = self;
+                vec![$cell.into(), $($more.into()),+]
+            }
+        }
+        rows!($($more)+);
+    };
+}
+
+rows!(A B C D E F G H I J);
+
+impl Cell {
+    /// So many figures of a number, where there is one.
+    pub fn figures(number: impl Into<Option<f64>>, figures: usize) -> Self {
+        number.into().map(|number| Cell::Figures(number, figures)).into()
+    }
+
+    /// A probability, where there is one.
+    pub fn probability(p: impl Into<Option<f64>>) -> Self {
+        p.into().map(Cell::Probability).into()
     }
 }
 
-impl From<usize> for Cell {
-    fn from(count: usize) -> Self {
-        Cell::Count(count)
+/// As it is written; missing and non-finite numbers are said.
+impl fmt::Display for Cell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&match self {
+            Cell::Empty => "–".into(),
+            Cell::Text(text) => text.clone(),
+            Cell::Count(count) => count.to_string(),
+            Cell::Number(number) => bare(*number),
+            Cell::Figures(number, digits) => figures(*number, *digits),
+            Cell::Uncertain { value, std } => uncertain(*value, *std),
+            Cell::Probability(p) => probability(*p),
+        })
     }
 }
 
-impl From<f64> for Cell {
-    fn from(number: f64) -> Self {
-        Cell::Number(number)
-    }
+/// What becomes a cell, and which one.
+macro_rules! cells {
+    ($($name:ident: $from:ty => $cell:expr;)+) => {
+        $(impl From<$from> for Cell {
+            fn from($name: $from) -> Self {
+                $cell
+            }
+        })+
+    };
+}
+
+cells! {
+    text: &str => Cell::Text(text.into());
+    text: String => Cell::Text(text);
+    text: &String => Cell::Text(text.clone());
+    text: &Option<String> => text.clone().into();
+    axis: Axis => axis.letter().into();
+    yes: bool => if yes { "yes" } else { "no" }.into();
+    count: usize => Cell::Count(count);
+    number: f64 => Cell::Number(number);
+    quantity: &Option<Quantity> => quantity.as_ref().into();
 }
 
 impl From<&Quantity> for Cell {

@@ -9,26 +9,15 @@ use crate::{Cell, Item, Page, Table, number};
 pub fn render(page: &Page) -> String {
     let mut out = String::new();
     underlined(&mut out, &page.title, '=');
-    for words in &page.summary {
-        let _ = writeln!(out, "{}", plain(words));
-    }
+    page.summary.iter().for_each(|words| line(&mut out, "", words));
     for section in &page.sections {
         out.push('\n');
         underlined(&mut out, &section.title, '-');
-        for words in &section.words {
-            let _ = writeln!(out, "{}", plain(words));
-        }
-        for warning in &section.warnings {
-            let _ = writeln!(out, "! {}", plain(&warning.words));
-        }
+        section.words.iter().for_each(|words| line(&mut out, "", words));
+        section.warnings.iter().for_each(|warning| line(&mut out, "! ", &warning.words));
         for item in &section.items {
             match item {
-                Item::Heading(heading) => {
-                    let _ = writeln!(out, "\n{}", plain(heading));
-                }
-                Item::Words(words) => {
-                    let _ = writeln!(out, "\n{}", plain(words));
-                }
+                Item::Heading(words) | Item::Words(words) => line(&mut out, "\n", words),
                 Item::Table(table) => self::table(&mut out, table),
                 Item::Plot(plot) => self::plot(&mut out, plot),
             }
@@ -42,6 +31,10 @@ fn plain(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
+fn line(out: &mut String, lead: &str, words: &str) {
+    let _ = writeln!(out, "{lead}{}", plain(words));
+}
+
 fn underlined(out: &mut String, title: &str, line: char) {
     let title = plain(title);
     let _ = writeln!(out, "{title}\n{}", line.to_string().repeat(title.chars().count()));
@@ -53,8 +46,8 @@ fn table(out: &mut String, table: &Table) {
         plain(&format!("{}{unit}", header.name))
     };
     let heads = table.headers.iter().map(header).collect::<Vec<_>>();
-    let rows: Vec<Vec<String>> =
-        table.rows.iter().map(|row| row.iter().map(|cell| plain(&number::cell(cell))).collect()).collect();
+    let cells = |row: &Vec<Cell>| row.iter().map(|cell| plain(&cell.to_string())).collect();
+    let rows: Vec<Vec<String>> = table.rows.iter().map(cells).collect();
     let width = |column: usize| {
         let cells = rows.iter().filter_map(|row| row.get(column)).chain(heads.get(column));
         cells.map(|cell| cell.chars().count()).max().unwrap_or(0)

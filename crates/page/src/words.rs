@@ -5,6 +5,24 @@ use common::{Axis, PerAxis, Quantity};
 use crate::Cell;
 pub use crate::number::counted;
 
+/// Text for element content and attributes of markup; what XML cannot hold becomes U+FFFD.
+pub fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&#39;"),
+            '\n' | '\t' => out.push(c),
+            c if c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}') => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
 /// Words of a stage as a sentence.
 pub fn sentence(words: &str) -> String {
     let mut letters = words.trim().chars();
@@ -88,21 +106,26 @@ mod tests {
     use super::*;
 
     #[test]
+    fn markup_and_control_characters_are_escaped() {
+        assert_eq!(escape("<b a='1'>&\"\u{1}\u{7f}"), "&lt;b a=&#39;1&#39;&gt;&amp;&quot;\u{fffd}\u{fffd}");
+    }
+
+    #[test]
     fn units_of_keys() {
-        let key = |name| {
-            let (words, unit) = super::key(name);
-            format!("{words}|{unit}")
-        };
-        assert_eq!(key("curvature_nt_per_a2"), "curvature|nT/A²");
-        assert_eq!(key("coefficient_nt_per_k"), "coefficient|nT/K");
-        assert_eq!(key("flicker_nt2_per_hz_at_1hz"), "flicker|nT²/Hz at 1 Hz");
-        assert_eq!(key("random_walk_nt_per_sqrt_s"), "random walk|nT/√s");
-        assert_eq!(key("gradient_nt_per_m_a"), "gradient|nT/m A");
-        assert_eq!(key("sensors.x.offset_nt"), "sensors.x.offset|nT");
-        assert_eq!(key("wheel_1_hz"), "wheel 1|Hz");
-        assert_eq!(key("torquer_x_am2"), "torquer x|A m²");
-        assert_eq!(key("gain"), "gain|");
-        assert_eq!(key("a"), "a|");
+        for (name, words, unit) in [
+            ("curvature_nt_per_a2", "curvature", "nT/A²"),
+            ("coefficient_nt_per_k", "coefficient", "nT/K"),
+            ("flicker_nt2_per_hz_at_1hz", "flicker", "nT²/Hz at 1 Hz"),
+            ("random_walk_nt_per_sqrt_s", "random walk", "nT/√s"),
+            ("gradient_nt_per_m_a", "gradient", "nT/m A"),
+            ("sensors.x.offset_nt", "sensors.x.offset", "nT"),
+            ("wheel_1_hz", "wheel 1", "Hz"),
+            ("torquer_x_am2", "torquer x", "A m²"),
+            ("gain", "gain", ""),
+            ("a", "a", ""),
+        ] {
+            assert_eq!(key(name), (words.into(), unit.into()));
+        }
     }
 
     #[test]

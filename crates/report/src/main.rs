@@ -55,15 +55,6 @@ enum Paper {
     Letter,
 }
 
-impl From<Paper> for certificate::Paper {
-    fn from(paper: Paper) -> Self {
-        match paper {
-            Paper::A4 => certificate::Paper::A4,
-            Paper::Letter => certificate::Paper::Letter,
-        }
-    }
-}
-
 fn main() -> ExitCode {
     let cli = manual::parse::<Cli>();
     pipe::finish(PROGRAM, run(&cli))
@@ -110,7 +101,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
             spec: options.spec.as_ref().map(|spec| (spec, spec_sha256.as_deref())),
         };
         let sheet = certificate::run(&document, &asked).map_err(|error| input.locate(error))?;
-        written.push((Some(file.as_path()), certificate::render(&sheet, cli.paper.map(Into::into))));
+        let paper = cli.paper.map(|paper| if matches!(paper, Paper::A4) { "A4" } else { "letter" });
+        written.push((Some(file.as_path()), certificate::render(&sheet, paper)));
         words.push(certificate::summary(&sheet));
     }
     if cli.certificate.is_none() || cli.io.output.is_some() {

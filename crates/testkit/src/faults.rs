@@ -8,11 +8,10 @@ use crate::{Run, bless, fixture, run, run_in};
 /// number of documents.
 pub fn faults(folder: &str, program: &str) -> usize {
     let folder = fixture(folder);
-    let mut names: Vec<String> = fs::read_dir(&folder)
-        .unwrap_or_else(|error| panic!("{}: {error}", folder.display()))
-        .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
-        .filter_map(|name| name.strip_suffix(".json").map(str::to_string))
-        .collect();
+    let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let names = entries.map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"));
+    let mut names: Vec<String> =
+        names.filter_map(|name| name.strip_suffix(".json").map(str::to_string)).collect();
     names.sort();
     let runs = names.iter().map(|name| {
         let document = fs::read_to_string(folder.join(format!("{name}.json"))).expect("readable");

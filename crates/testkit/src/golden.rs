@@ -6,14 +6,12 @@ use std::fs;
 use crate::fixture;
 
 /// How far a number may be from the expected one: |a − b| ≤ absolute + relative |b|.
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub struct Tolerance {
-    /// Absolute part.
+#[derive(Clone, Copy, Default, Deserialize)]
+struct Tolerance {
     #[serde(default)]
-    pub absolute: f64,
-    /// Part of the expected value.
+    absolute: f64,
     #[serde(default)]
-    pub relative: f64,
+    relative: f64,
 }
 
 /// Runs one golden case: the fixture `input` through `run`, against `<case>/expected.json` within the
@@ -60,7 +58,7 @@ pub fn bless() -> bool {
 }
 
 /// Collects the differences of two JSON values.
-pub fn compare(
+fn compare(
     path: &str,
     found: &Value,
     expected: &Value,
@@ -70,12 +68,9 @@ pub fn compare(
     match (found, expected) {
         (Value::Number(a), Value::Number(b)) => {
             let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
-            let tolerance = tolerances
-                .iter()
-                .filter(|(prefix, _)| path.starts_with(prefix.as_str()))
-                .max_by_key(|(prefix, _)| prefix.len())
-                .or_else(|| tolerances.get_key_value("default"))
-                .map_or(Tolerance { absolute: 0.0, relative: 0.0 }, |(_, tolerance)| *tolerance);
+            let own = tolerances.iter().filter(|(prefix, _)| path.starts_with(prefix.as_str()));
+            let longest = own.max_by_key(|(prefix, _)| prefix.len()).map(|(_, tolerance)| *tolerance);
+            let tolerance = longest.or(tolerances.get("default").copied()).unwrap_or_default();
             let close = (a - b).abs() <= tolerance.absolute + tolerance.relative * b.abs();
             if !close {
                 differences.push(format!("{path}: {a} where {b} is expected"));

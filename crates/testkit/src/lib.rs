@@ -3,26 +3,22 @@
 
 use std::path::{Path, PathBuf};
 
-mod beside;
-mod binary;
 mod coverage;
 mod faults;
 mod golden;
-mod help;
 mod jacobian;
 pub mod laws;
 mod partials;
+mod programs;
 pub mod reference;
 mod words;
 
-pub use beside::beside;
-pub use binary::{Run, run, run_in, stages};
 pub use coverage::{agrees, campaigns, number, some};
 pub use faults::{faults, faults_in, pieces};
-pub use golden::{Tolerance, bless, compare, golden};
-pub use help::{examples, manual};
+pub use golden::{bless, golden};
 pub use jacobian::check_jacobian;
 pub use partials::partials_merge;
+pub use programs::{Run, beside, examples, manual, run, run_in, stages};
 pub use words::ill_written;
 
 /// A path below the workspace's `fixtures`.
@@ -36,11 +32,8 @@ pub fn fixture(relative: &str) -> PathBuf {
 pub fn recordings(set: &str) -> PathBuf {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
     let folder = std::env::var("FLUXCAL_DATA").map_or(beside, PathBuf::from).join(set);
-    assert!(
-        folder.is_dir(),
-        "{}: no such folder; name the one with the recordings in FLUXCAL_DATA",
-        folder.display()
-    );
+    let path = folder.display();
+    assert!(folder.is_dir(), "{path}: no such folder; name the one with the recordings in FLUXCAL_DATA");
     folder
 }
 

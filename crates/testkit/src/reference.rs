@@ -4,8 +4,7 @@ use serde_json::Value;
 
 /// `fixtures/reference/NAME.json`.
 pub fn reference(name: &str) -> Value {
-    serde_json::from_str(&crate::read_fixture(&format!("reference/{name}.json")))
-        .expect("the fixture is JSON")
+    serde_json::from_str(&crate::read_fixture(&format!("reference/{name}.json"))).expect("JSON")
 }
 
 /// A list of it.

@@ -5,8 +5,7 @@ use common::{Axis, Document, uncertainty};
 use conformity::Joint;
 use nalgebra::Vector3;
 
-use crate::expanded::Expanded;
-use crate::expanded::NORMAL;
+use crate::expanded::{Expanded, NORMAL};
 use crate::sheet::Sheet;
 
 /// The tables of one set of directions, `sensors` or `coils`.
@@ -16,10 +15,8 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
         axes.and_then(|axes| if of == "sensors" { axes.sensors.as_ref() } else { axes.coils.as_ref() });
     let Some(found) = found else { return };
     let one = of.trim_end_matches('s');
-    let known: Vec<(Axis, Vector3<f64>)> = Axis::ALL
-        .into_iter()
-        .filter_map(|axis| Some((axis, Vector3::from(found.direction(axis)?))))
-        .collect();
+    let direction = |axis: Axis| Some((axis, Vector3::from(found.direction(axis)?)));
+    let known: Vec<(Axis, Vector3<f64>)> = Axis::ALL.into_iter().filter_map(direction).collect();
     let paths = uncertainty::directions(of);
     // Each standard uncertainty is here that of the normal distribution with the same 95 % interval.
     let covariance = joint.covariance(&paths);
@@ -57,11 +54,8 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
         }
     }
     for (axis, angle) in found.off_nominal_arcsec.iter().flat_map(|all| all.iter()) {
-        Expanded::of(angle, own.or(Some(factor))).row(
-            &mut table,
-            &format!("{one} {axis}, off its nominal axis"),
-            "arcsec",
-        );
+        let angle = Expanded::of(angle, own.or(Some(factor)));
+        angle.row(&mut table, &format!("{one} {axis}, off its nominal axis"), "arcsec");
     }
     sheet.table(table);
     let scalar = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());

@@ -21,9 +21,7 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint) {
     };
     sheet.table(all(
         "Sensitivity k and offset O of B = k · reading + O, along each sensor's axis",
-        &|table, axis, sensor| {
-            constants(table, document, joint, (axis, sensor));
-        },
+        &|table, axis, sensor| constants(table, document, joint, (axis, sensor)),
     ));
     sheet.table(all("Temperature coefficients at the reference temperatures", &temperature));
     sheet.table(all("Offset in time", &drift));
@@ -82,19 +80,12 @@ fn temperature(table: &mut Table, axis: Axis, sensor: &SensorCalibration) {
 fn drift(table: &mut Table, axis: Axis, sensor: &SensorCalibration) {
     let Some(drift) = &sensor.drift else { return };
     if let Some(trend) = &drift.trend_nt_per_year {
-        Expanded::of(trend, Some(drift.coverage_factor_95)).row(
-            table,
-            &format!("sensor {axis}, trend"),
-            "nT/year",
-        );
+        let trend = Expanded::of(trend, Some(drift.coverage_factor_95));
+        trend.row(table, &format!("sensor {axis}, trend"), "nT/year");
     }
-    if let Some(annual) = &drift.annual {
-        Expanded::of(&annual.cosine_nt, None).row(
-            table,
-            &format!("sensor {axis}, yearly term, cosine"),
-            "nT",
-        );
-        Expanded::of(&annual.sine_nt, None).row(table, &format!("sensor {axis}, yearly term, sine"), "nT");
+    let Some(annual) = &drift.annual else { return };
+    for (name, part) in [("cosine", &annual.cosine_nt), ("sine", &annual.sine_nt)] {
+        Expanded::of(part, None).row(table, &format!("sensor {axis}, yearly term, {name}"), "nT");
     }
 }
 

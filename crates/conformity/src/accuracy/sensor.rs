@@ -1,14 +1,13 @@
 use common::uncertainty;
-use common::{AdoptedEffect, Axis, Document, SensorCalibration};
+use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity, SensorCalibration};
 use nalgebra::Vector3;
 use physics::Kind;
 use physics::frames::ARCSEC;
 
-use super::across::Across;
 use super::gaps::Gaps;
 use crate::Requirement;
 use crate::axes::turn_per_k;
-use crate::joint::{self, Joint};
+use crate::joint::{self, ACROSS, Joint};
 use crate::offset::{Drift, drift};
 use crate::range::{calibrated_nt, codes_nt};
 use crate::temperature::{Coefficients, Part};
@@ -110,11 +109,7 @@ impl Sensor {
             .collect::<Vec<i32>>();
         let nonlinearity = if powers.is_empty() { looked_for(found) } else { [0.0; 2] };
         let temperature = Coefficients::of(document, joint, axis);
-        let warm = [
-            (Part::Sensor, requirement.sensor_temperature_c.is_some()),
-            (Part::Electronics, requirement.electronics_temperature_c.is_some()),
-        ];
-        for (part, _) in warm.into_iter().filter(|(_, asked)| *asked) {
+        for part in Part::BOTH.into_iter().filter(|part| part.required(requirement).is_some()) {
             if !temperature.as_ref().is_some_and(|known| known.has(part)) {
                 let what = format!("what the {}'s temperature does is not known", part.word());
                 gaps.add(axis, &format!("{what} (`temperature_run` would show it)"));
@@ -148,7 +143,7 @@ impl Sensor {
         };
         for (lacks, what) in [
             (
-                warm[0].1 && !turns,
+                requirement.sensor_temperature_c.is_some() && !turns,
                 "whether the axis turns with temperature is not known (`axes_orientation` at several temperatures would show it)",
             ),
             (across.is_none(), "the effect of transverse fields is unknown (`cross_field` would show it)"),
@@ -246,4 +241,33 @@ fn looked_for(found: &SensorCalibration) -> [f64; 2] {
         let size = of.next().and_then(|departure| departure.parameter.get("departure_nt"));
         size.map_or(0.0, |size| size.value().hypot(size.std().unwrap_or(0.0)))
     })
+}
+
+/// What fields across do to a sensor.
+struct Across {
+    /// The paths of the parameters.
+    paths: Vec<String>,
+    /// Their values where they are not corrected, nT.
+    left: [f64; 5],
+}
+
+impl Across {
+    /// As sensorcal found it; `corrected` where the model has it.
+    fn of(fit: &CrossFieldFit, axis: Axis, corrected: bool) -> Self {
+        let left = ACROSS.map(|(group, _, parameter)| {
+            let of = if group == "offset" { &fit.offset } else { &fit.sensitivity };
+            of.get(parameter).filter(|_| !corrected).map_or(0.0, Quantity::value)
+        });
+        Self { paths: ACROSS.map(|(_, name, parameter)| joint::effect(name, axis, parameter)).into(), left }
+    }
+
+    /// Change of the reading for each nT of the parameters; b along and u, v across in units of 50 000 nT.
+    fn weights(b: f64, u: f64, v: f64) -> [f64; 5] {
+        [u * u, v * v, u * v, b * u, b * v]
+    }
+
+    /// What is not corrected changes a reading by, nT.
+    fn left(&self, weights: &[f64; 5]) -> f64 {
+        weights.iter().zip(&self.left).map(|(by, left)| by * left).sum()
+    }
 }

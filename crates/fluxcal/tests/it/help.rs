@@ -20,24 +20,17 @@ fn every_help_says_what_its_program_does() {
     for program in PROGRAMS {
         let path = beside(program.name);
         for command in commands(&path) {
-            let long = opening(&run(&path, &command, &["--help"], "").stdout);
-            assert_eq!(
-                long,
-                opening(&run(&path, &command, &["-h"], "").stdout),
-                "{} {command:?}",
-                program.name
-            );
+            let name = format!("{} {command:?}", program.name);
+            let [long, short] =
+                ["--help", "-h"].map(|help| opening(&run(&path, &command, &[help], "").stdout));
+            assert_eq!(long, short, "{name}");
             let (does, example) = long;
-            assert!(does.chars().count() > 20 && does.starts_with(char::is_uppercase), "{command:?}: {does}");
-            assert!(example, "{} {command:?}: no example below the first line", program.name);
+            assert!(does.chars().count() > 20 && does.starts_with(char::is_uppercase), "{name}: {does}");
+            assert!(example, "{name}: no example below the first line");
             if command.is_empty() {
-                assert_eq!(does, program.does, "what `fluxcal --help` says of {}", program.name);
+                assert_eq!(does, program.does, "what `fluxcal --help` says of {name}");
             }
-            assert!(
-                seen.insert(does.clone()),
-                "{} {command:?}: {does}, which another one says too",
-                program.name
-            );
+            assert!(seen.insert(does.clone()), "{name}: {does}, which another one says too");
         }
     }
     assert!(seen.len() > 20, "{seen:?}");

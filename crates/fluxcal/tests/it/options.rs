@@ -8,10 +8,8 @@ use crate::{beside, commands, run};
 fn options(help: &str) -> Vec<String> {
     let named = help.lines().filter_map(|line| {
         let line = line.trim_start();
-        let line = line
-            .get(..4)
-            .filter(|short| short.starts_with('-') && short.ends_with(' '))
-            .map_or(line, |_| &line[4..]);
+        let short = line.get(..4).filter(|short| short.starts_with('-') && short.ends_with(' '));
+        let line = short.map_or(line, |short| &line[short.len()..]);
         let (name, rest) = line.strip_prefix("--")?.split_once(' ')?;
         rest.starts_with('<').then(|| format!("--{name}"))
     });
@@ -37,12 +35,7 @@ fn a_negative_number_is_the_value_of_an_option() {
                     let said = run(&path, &command, &[option.as_str(), value, "--no-such-option"], "");
                     let taken = said.stderr.contains("'--no-such-option'")
                         || said.stderr.contains(&format!("invalid value '{value}' for '{option} <"));
-                    assert!(
-                        taken && said.code == 2,
-                        "{} {command:?} {option}: {}",
-                        program.name,
-                        said.stderr
-                    );
+                    assert!(taken && said.code == 2, "{path} {command:?} {option}: {}", said.stderr);
                     tried += 1;
                 }
             }

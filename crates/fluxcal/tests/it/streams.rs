@@ -41,11 +41,9 @@ fn input(name: &str) -> String {
 
 /// Runs a command in a folder of its own, in which it leaves nothing behind.
 fn run(program: &str, arguments: &[&str], more: &[&str], input: &str) -> testkit::Run {
-    let arguments: Vec<String> = arguments
-        .iter()
-        .map(|argument| argument.strip_prefix('@').map_or(argument.to_string(), fixture))
-        .chain(more.iter().map(|more| more.to_string()))
-        .collect();
+    let arguments = arguments.iter().chain(more);
+    let arguments: Vec<String> =
+        arguments.map(|argument| argument.strip_prefix('@').map_or(argument.to_string(), fixture)).collect();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     testkit::run(&beside(program), &arguments, input)
 }
@@ -71,9 +69,8 @@ fn a_byte_order_mark_is_no_fault() {
         text.lines().filter(|line| !line.contains("sha256") && !line.contains("SHA-256")).collect()
     };
     // diagnose takes a second, and reads as the other stages do.
-    for (program, arguments, read) in
-        COMMANDS.iter().filter(|(program, _, read)| !read.is_empty() && *program != "diagnose")
-    {
+    let reading = COMMANDS.iter().filter(|(program, _, read)| !read.is_empty() && *program != "diagnose");
+    for (program, arguments, read) in reading {
         let input = input(read);
         let plain = run(program, arguments, &["-q"], &input);
         let marked = run(program, arguments, &["-q"], &format!("\u{feff}{input}"));
@@ -161,19 +158,11 @@ fn readings_are_left_out_where_that_is_asked() {
         assert!(dropped.clone().all(|recording| recording.get("columns").is_none()), "{program}");
         // The same stage says what is missing; readings that are put back are held to the digest.
         let refused = run(program, &[], &[], &short.stdout);
-        assert!(
-            refused.code == 2 && refused.stderr.contains("that an earlier stage left out"),
-            "{}",
-            refused.stderr
-        );
+        let said = &refused.stderr;
+        assert!(refused.code == 2 && said.contains("that an earlier stage left out"), "{said}");
         let mut back = lean.clone();
-        for (recording, full) in back["recordings"]
-            .as_array_mut()
-            .expect("recordings")
-            .iter_mut()
-            .zip(whole["recordings"].as_array().expect("recordings"))
-        {
-            recording["columns"] = full["columns"].clone();
+        for (number, recording) in back["recordings"].as_array_mut().expect("a list").iter_mut().enumerate() {
+            recording["columns"] = whole["recordings"][number]["columns"].clone();
         }
         if *program != "diagnose" {
             let again = run(program, &[], &["-q"], &back.to_string());

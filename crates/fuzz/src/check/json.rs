@@ -5,9 +5,9 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-use super::fault::{Fault, Rule};
 use crate::Error;
 use crate::commands::Writes;
+use crate::finding::{Fault, Rule};
 use crate::mutate::json::UNKNOWN;
 use crate::mutate::pointers;
 
@@ -50,7 +50,6 @@ impl Schemas {
         one(written, &read, schema)
     }
 
-    /// Faults of a file with what is true.
     pub fn of_truth(&self, written: &[u8]) -> Vec<Fault> {
         one(written, &Value::Null, Some(&self.truth))
     }
@@ -87,14 +86,14 @@ fn undetermined(document: &Value) -> Vec<String> {
 fn null(value: &Value, read: &Value, pointer: &str) -> Option<String> {
     match value {
         Value::Null if read.pointer(pointer).is_none_or(|read| !read.is_null()) => Some(pointer.into()),
-        Value::Object(map) => map
-            .iter()
-            .filter(|(key, _)| !MAY_BE_NULL.contains(&key.as_str()))
-            .find_map(|(key, child)| null(child, read, &pointers::below(pointer, key))),
-        Value::Array(list) => list
-            .iter()
-            .enumerate()
-            .find_map(|(index, child)| null(child, read, &format!("{pointer}/{index}"))),
+        Value::Object(map) => {
+            let mut others = map.iter().filter(|(key, _)| !MAY_BE_NULL.contains(&key.as_str()));
+            others.find_map(|(key, child)| null(child, read, &pointers::below(pointer, key)))
+        }
+        Value::Array(list) => {
+            let mut items = list.iter().enumerate();
+            items.find_map(|(index, child)| null(child, read, &format!("{pointer}/{index}")))
+        }
         _ => None,
     }
 }

@@ -1,6 +1,6 @@
 //! Words of people, and words of programs.
 
-use super::fault::{Fault, Rule};
+use crate::finding::{Fault, Rule};
 
 /// Numbers that are none.
 const NO_NUMBERS: [&str; 5] = ["NaN", "inf", "nan", "Infinity", "infinity"];

@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::change::Context;
 use super::{pointers, values};
+use crate::corpus::Context;
 use crate::draw::Draw;
 
 /// The columns of some recording.
@@ -17,37 +17,45 @@ fn some_key(map: &Map<String, Value>, draw: &mut Draw) -> String {
     map.keys().nth(draw.below(map.len())).cloned().unwrap_or_default()
 }
 
-/// Changes the numbers of a column, at a place of it or all. False: it has none; a missing reading is none.
-fn change(column: &mut Value, draw: &mut Draw, with: impl FnOnce(&mut Vec<f64>, usize, &mut Draw)) -> bool {
+/// Changes the numbers of a column, at a place of it or all. None: it has none; a missing reading is none.
+fn change(
+    column: &mut Value,
+    draw: &mut Draw,
+    with: impl FnOnce(&mut Vec<f64>, usize, &mut Draw),
+) -> Option<()> {
     let mut numbers: Vec<f64> = column.as_array().into_iter().flatten().filter_map(Value::as_f64).collect();
     if numbers.is_empty() {
-        return false;
+        return None;
     }
     let place = draw.below(numbers.len());
     with(&mut numbers, place, draw);
     *column = json!(numbers);
-    true
+    Some(())
+}
+
+fn scale(numbers: &mut [f64], draw: &mut Draw, factors: &[f64]) {
+    let factor = draw.of(factors);
+    numbers.iter_mut().for_each(|x| *x *= factor);
+}
+
+fn shift(numbers: &mut [f64], draw: &mut Draw, by: &[f64]) {
+    let by = draw.of(by);
+    numbers.iter_mut().for_each(|x| *x += by);
 }
 
 /// Scaled, constant, in another order, with a jump, a spike or rounded.
-pub fn column(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(columns) = columns(value, draw) else { return false };
+pub fn column(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let columns = columns(value, draw)?;
     let name = some_key(columns, draw);
     change(&mut columns[&name], draw, |column, place, draw| match draw.below(9) {
-        0 => {
-            let factor = *draw.of(&[-1.0, 0.0, 1e-3, 1e3, 1e-9, 1e9, 1e-30, 1e30, 1e-160, 1e160, 1.1]);
-            column.iter_mut().for_each(|x| *x *= factor);
-        }
+        0 => scale(column, draw, &[-1.0, 0.0, 1e-3, 1e3, 1e-9, 1e9, 1e-30, 1e30, 1e-160, 1e160, 1.1]),
         1 => {
             let all = if draw.chance(50) { column[place] } else { values::reading(draw) };
             column.fill(all);
         }
         2 => draw.shuffle(column),
         3 => column.reverse(),
-        4 => {
-            let jump = *draw.of(&[1.0, -1.0, 1e3, 1e5, 1e-6]);
-            column[place..].iter_mut().for_each(|x| *x += jump);
-        }
+        4 => shift(&mut column[place..], draw, &[1.0, -1.0, 1e3, 1e5, 1e-6]),
         5 | 6 => column[place] = values::reading(draw),
         7 => {
             let code = *draw.of(&[1e-3, 1.0, 100.0, 1e5]);
@@ -58,25 +66,17 @@ pub fn column(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
 }
 
 /// Repeated, backwards, with a clock that jumps, far away, or at one step.
-pub fn times(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(column) = columns(value, draw).and_then(|columns| columns.get_mut("time_s")) else {
-        return false;
-    };
+pub fn times(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let column = columns(value, draw)?.get_mut("time_s")?;
     change(column, draw, |times, place, draw| match draw.below(7) {
         0 => times[place] = times[place.saturating_sub(1)],
         1 => {
-            let jump = *draw.of(&[-1.0, 1.0, -3600.0, 3600.0, 86400.0, 1e9, 1e15, -1e9, 0.001]);
-            times[place..].iter_mut().for_each(|t| *t += jump);
+            let jumps = [-1.0, 1.0, -3600.0, 3600.0, 86400.0, 1e9, 1e15, -1e9, 0.001];
+            shift(&mut times[place..], draw, &jumps);
         }
         2 => times.reverse(),
-        3 => {
-            let factor = *draw.of(&[0.0, 1e-9, 1e-3, 1e3, 1e9, -1.0]);
-            times.iter_mut().for_each(|t| *t *= factor);
-        }
-        4 => {
-            let shift = *draw.of(&[1e6, 1.7e9, 1.7e12, 1e18, -1e10]);
-            times.iter_mut().for_each(|t| *t += shift);
-        }
+        3 => scale(times, draw, &[0.0, 1e-9, 1e-3, 1e3, 1e9, -1.0]),
+        4 => shift(times, draw, &[1e6, 1.7e9, 1.7e12, 1e18, -1e10]),
         5 => times.iter_mut().enumerate().for_each(|(row, t)| *t = row as f64),
         _ => {
             let other = draw.below(times.len());
@@ -86,30 +86,30 @@ pub fn times(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
 }
 
 /// One column's readings in another's place.
-pub fn exchanged(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(columns) = columns(value, draw) else { return false };
+pub fn exchanged(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let columns = columns(value, draw)?;
     let (one, other) = (some_key(columns, draw), some_key(columns, draw));
     let (a, b) = (columns[&one].clone(), columns[&other].clone());
     if draw.chance(50) {
         columns[&one] = b.clone();
     } else if draw.chance(30) {
         columns.shift_remove(&one);
-        return true;
+        return Some(());
     }
     if draw.chance(50) {
         columns[&other] = a;
     }
-    one != other
+    (one != other).then_some(())
 }
 
 /// Another unit at the end of a column's name.
-pub fn unit(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(columns) = columns(value, draw) else { return false };
+pub fn unit(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let columns = columns(value, draw)?;
     let name = some_key(columns, draw);
     let stem = name.rsplit_once('_').map_or(name.as_str(), |(stem, _)| stem);
     let to = *draw.of(&["v", "nt", "a", "s", "c", "ut", "hz", "rad", "furlong", "counts", ""]);
     pointers::rename(columns, &name, format!("{stem}_{to}"));
-    true
+    Some(())
 }
 
 /// All columns, changed alike.
@@ -122,8 +122,8 @@ fn rows(columns: &Map<String, Value>) -> usize {
 }
 
 /// Few rows, of all columns or one.
-pub fn rows_cut(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(columns) = columns(value, draw) else { return false };
+pub fn rows_cut(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let columns = columns(value, draw)?;
     let left = if draw.chance(70) { draw.below(8) } else { draw.below(rows(columns) + 1) };
     if draw.chance(10) {
         let name = some_key(columns, draw);
@@ -137,15 +137,15 @@ pub fn rows_cut(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
             list.truncate(left);
         });
     }
-    true
+    Some(())
 }
 
 /// Rows again, at the end or in their place.
-pub fn rows_repeated(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(columns) = columns(value, draw) else { return false };
+pub fn rows_repeated(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let columns = columns(value, draw)?;
     let rows = rows(columns);
     if rows == 0 || rows > 2000 {
-        return false;
+        return None;
     }
     let (row, times) = (draw.below(rows), draw.between(1, 4));
     let whole = draw.chance(50);
@@ -156,12 +156,12 @@ pub fn rows_repeated(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> boo
             (0..times).for_each(|_| list.insert(row, item.clone()));
         }
     });
-    true
+    Some(())
 }
 
 /// Nulls in one column or in all.
-pub fn missing(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(columns) = columns(value, draw) else { return false };
+pub fn missing(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let columns = columns(value, draw)?;
     let name = some_key(columns, draw);
     let (all, share) = (draw.chance(20), *draw.of(&[5, 50, 95, 100]));
     for (key, column) in columns.iter_mut() {
@@ -173,18 +173,15 @@ pub fn missing(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
             }
         }
     }
-    true
+    Some(())
 }
 
 /// Negative, not symmetric, not positive, of another size, tiny or huge.
-pub fn covariance(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
+pub fn covariance(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
     let all = pointers::keys(value);
-    let Some(places) = all.get("covariance") else { return false };
-    let Some(Value::Array(matrix)) = value.pointer_mut(draw.of(places).as_str()) else { return false };
-    let size = matrix.len();
-    if size == 0 {
-        return false;
-    }
+    let places = all.get("covariance")?;
+    let Some(Value::Array(matrix)) = value.pointer_mut(draw.of(places).as_str()) else { return None };
+    let size = Some(matrix.len()).filter(|size| *size > 0)?;
     let (i, j) = (draw.below(size), draw.below(size));
     let at = |matrix: &[Value], i: usize, j: usize| matrix[i].get(j).and_then(Value::as_f64).unwrap_or(0.0);
     let set = |matrix: &mut [Value], i: usize, j: usize, x: f64| {
@@ -211,5 +208,5 @@ pub fn covariance(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
         }
         _ => set(matrix, i, i, *draw.of(&[0.0, 1e-300, 1e300, 1e10])),
     }
-    true
+    Some(())
 }

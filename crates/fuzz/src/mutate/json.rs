@@ -2,14 +2,16 @@
 
 use serde_json::{Value, json};
 
-use super::change::{Change, Context};
 use super::{columns, pointers, recordings, values};
-use crate::corpus::Corpus;
+use crate::corpus::{Context, Corpus};
 use crate::draw::Draw;
 use crate::kind::FileKind;
 
 /// A key that no version knows.
 pub const UNKNOWN: &str = "nobody_knows";
+
+/// A change: whether it could be made here.
+type Change = fn(&mut Value, &Context<'_>, &mut Draw) -> Option<()>;
 
 /// Changes by how often they are made.
 const CHANGES: [(usize, (&str, Change)); 24] = [
@@ -44,7 +46,7 @@ pub fn edit(value: &mut Value, kind: FileKind, corpus: &Corpus, draw: &mut Draw)
     let context = Context { corpus, kind };
     (0..8).find_map(|_| {
         let (name, change) = *draw.weighted(&CHANGES);
-        change(value, &context, draw).then_some(name)
+        change(value, &context, draw).map(|()| name)
     })
 }
 
@@ -62,130 +64,116 @@ fn some<'a>(value: &'a mut Value, is: fn(&Value) -> bool, draw: &mut Draw) -> Op
     value.pointer_mut(&pointer)
 }
 
-fn number(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = some(value, Value::is_number, draw) else { return false };
-    *place = values::number(draw);
-    true
+fn number(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    *some(value, Value::is_number, draw)? = values::number(draw);
+    Some(())
 }
 
-fn scaled(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = some(value, Value::is_number, draw) else { return false };
+fn scaled(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let place = some(value, Value::is_number, draw)?;
     let factor = *draw.of(&[-1.0, 0.5, 2.0, 10.0, 1e-3, 1e3, 1e-9, 1e9, 1e100, 1.0001]);
     *place = json!(place.as_f64().unwrap_or_default() * factor);
-    true
+    Some(())
 }
 
-fn left_out(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(pointer) = pointers::pick(value, draw) else { return false };
+fn left_out(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let pointer = pointers::pick(value, draw)?;
     let (parent, key) = pointers::parts(&pointer);
     match value.pointer_mut(parent) {
-        Some(Value::Object(map)) => map.shift_remove(&key).is_some(),
-        Some(Value::Array(list)) => key.parse().is_ok_and(|index: usize| {
-            list.remove(index);
-            true
-        }),
-        _ => false,
+        Some(Value::Object(map)) => map.shift_remove(&key).map(drop),
+        Some(Value::Array(list)) => key.parse().ok().map(|index: usize| drop(list.remove(index))),
+        _ => None,
     }
 }
 
-fn other_type(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = somewhere(value, draw) else { return false };
+fn other_type(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let place = somewhere(value, draw)?;
     *place = values::of_another_type(place, draw);
-    true
+    Some(())
 }
 
-fn renamed(value: &mut Value, context: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(pointer) = pointers::pick(value, draw) else { return false };
+fn renamed(value: &mut Value, context: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let pointer = pointers::pick(value, draw)?;
     let (parent, key) = pointers::parts(&pointer);
     let to = match draw.below(3) {
         0 => format!("{key}_x"),
         1 => key.to_uppercase(),
         _ => {
-            let Some(other) = context.corpus.any_value(context.kind, draw) else { return false };
+            let other = context.corpus.any_value(context.kind, draw)?;
             let keys = pointers::keys(other);
-            let Some(key) = keys.keys().nth(draw.below(keys.len())) else { return false };
+            let key = keys.keys().nth(draw.below(keys.len()))?;
             key.clone()
         }
     };
-    let Some(Value::Object(map)) = value.pointer_mut(parent) else { return false };
+    let Some(Value::Object(map)) = value.pointer_mut(parent) else { return None };
     pointers::rename(map, &key, to);
-    true
+    Some(())
 }
 
-fn unknown_key(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(Value::Object(map)) = somewhere(value, draw) else { return false };
+fn unknown_key(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let Some(Value::Object(map)) = somewhere(value, draw) else { return None };
     let inner = values::number(draw);
     let inner = if draw.chance(30) { json!({"deeper": [inner, null, "x"]}) } else { inner };
     map.insert(UNKNOWN.into(), inner);
-    true
+    Some(())
 }
 
-fn word(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = some(value, Value::is_string, draw) else { return false };
-    *place = json!(values::word(draw));
-    true
+fn word(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    *some(value, Value::is_string, draw)? = json!(values::word(draw));
+    Some(())
 }
 
-fn spliced(value: &mut Value, context: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(other) = context.corpus.any_value(context.kind, draw) else { return false };
+fn spliced(value: &mut Value, context: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let other = context.corpus.any_value(context.kind, draw)?;
     let theirs = pointers::keys(other);
-    let Some((key, places)) = theirs.iter().nth(draw.below(theirs.len())) else { return false };
-    let Some(part) = other.pointer(draw.of(places).as_str()).cloned() else { return false };
+    let (key, places) = theirs.iter().nth(draw.below(theirs.len()))?;
+    let part = other.pointer(draw.of(places).as_str()).cloned()?;
     let ours = pointers::keys(value);
     match ours.get(key) {
-        Some(places) => {
-            let Some(place) = value.pointer_mut(draw.of(places).as_str()) else { return false };
-            *place = part;
-        }
+        Some(places) => *value.pointer_mut(draw.of(places).as_str())? = part,
         // A key of the top that is not here yet.
         None if other.get(key).is_some() => {
-            let Value::Object(map) = value else { return false };
+            let Value::Object(map) = value else { return None };
             map.insert(key.clone(), part);
         }
-        None => return false,
+        None => return None,
     }
-    true
+    Some(())
 }
 
-fn exchanged(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let (Some(one), Some(other)) = (pointers::pick(value, draw), pointers::pick(value, draw)) else {
-        return false;
-    };
+fn exchanged(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let (one, other) = (pointers::pick(value, draw), pointers::pick(value, draw));
+    let (one, other) = one.zip(other)?;
     if one.starts_with(&other) || other.starts_with(&one) {
-        return false;
+        return None;
     }
-    let (Some(a), Some(b)) = (value.pointer(&one).cloned(), value.pointer(&other).cloned()) else {
-        return false;
-    };
+    let (a, b) = (value.pointer(&one).cloned()?, value.pointer(&other).cloned()?);
     for (place, part) in [(one, b), (other, a)] {
         value.pointer_mut(&place).into_iter().for_each(|place| *place = part.clone());
     }
-    true
+    Some(())
 }
 
-fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(Value::Array(list)) = some(value, Value::is_array, draw) else { return false };
-    if list.is_empty() {
-        return false;
-    }
-    let item = draw.of(list).clone();
+fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let Some(Value::Array(list)) = some(value, Value::is_array, draw) else { return None };
+    let item = list.get(draw.below(list.len()))?.clone();
     list.insert(draw.below(list.len() + 1), item);
-    true
+    Some(())
 }
 
-fn list(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(Value::Array(list)) = some(value, Value::is_array, draw) else { return false };
+fn list(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let Some(Value::Array(list)) = some(value, Value::is_array, draw) else { return None };
     match draw.below(4) {
         0 => list.clear(),
         1 => list.truncate(draw.below(list.len())),
         2 => draw.shuffle(list),
         _ => list.reverse(),
     }
-    true
+    Some(())
 }
 
-fn nested(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(place) = somewhere(value, draw) else { return false };
+fn nested(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let place = somewhere(value, draw)?;
     *place = values::nested(place.take(), draw);
-    true
+    Some(())
 }

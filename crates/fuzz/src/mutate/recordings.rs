@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::change::Context;
 use super::values;
+use crate::corpus::Context;
 use crate::draw::Draw;
 
 /// What a recording may follow, with bars between.
@@ -21,8 +21,8 @@ fn recordings(value: &mut Value) -> Option<&mut Vec<Value>> {
 }
 
 /// All but one, half of them, or one.
-pub fn left_out(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(list) = recordings(value) else { return false };
+pub fn left_out(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let list = recordings(value)?;
     let place = draw.below(list.len());
     match draw.below(3) {
         0 => {
@@ -31,15 +31,15 @@ pub fn left_out(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
         1 => *list = vec![list.swap_remove(place)],
         _ => list.truncate(place),
     }
-    true
+    Some(())
 }
 
 /// One again, by its own name or another.
-pub fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(list) = recordings(value) else { return false };
+pub fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let list = recordings(value)?;
     let mut again = draw.of(list).clone();
     if !again.is_object() {
-        return false;
+        return None;
     }
     if draw.chance(80) {
         again["id"] = json!(format!("again-{}", list.len()));
@@ -48,21 +48,21 @@ pub fn twice(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
         again["start"] = json!(draw.part(STARTS));
     }
     list.push(again);
-    true
+    Some(())
 }
 
 /// In another order, which means nothing.
-pub fn permuted(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(list) = recordings(value) else { return false };
+pub fn permuted(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let list = recordings(value)?;
     draw.shuffle(list);
-    true
+    Some(())
 }
 
 /// Another procedure, start, sensor, coil, orientation or condition.
-pub fn conditions(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
-    let Some(list) = recordings(value) else { return false };
+pub fn conditions(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> Option<()> {
+    let list = recordings(value)?;
     let place = draw.below(list.len());
-    let Some(recording) = list[place].as_object_mut() else { return false };
+    let recording = list[place].as_object_mut()?;
     match draw.below(4) {
         0 => {
             recording.insert("procedure".into(), json!(draw.part(PROCEDURES)));
@@ -75,7 +75,7 @@ pub fn conditions(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
         }
         _ => {
             let Value::Object(conditions) = recording.entry("conditions").or_insert_with(|| json!({})) else {
-                return false;
+                return None;
             };
             let (key, to) = match draw.below(5) {
                 0 => (*draw.of(&["sensor", "coil"]), json!(*draw.of(&["x", "y", "z", "w"]))),
@@ -96,7 +96,7 @@ pub fn conditions(value: &mut Value, _: &Context<'_>, draw: &mut Draw) -> bool {
             conditions.insert(key.into(), to);
         }
     }
-    true
+    Some(())
 }
 
 /// Rotations, and matrices that are none.

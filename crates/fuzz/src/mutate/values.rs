@@ -4,13 +4,11 @@ use serde_json::{Value, json};
 
 use crate::draw::Draw;
 
-/// Numbers of JSON.
 const NUMBERS: [f64; 30] = [
     0.0, -0.0, 1.0, -1.0, 2.0, 3.0, 0.5, 1e-308, 5e-324, 1e308, -1e308, 1e-30, 1e30, 1e154, 1e-154, 1e12,
     -1e31, 1e-9, 1e9, -1e9, 99999.0, 88888.88, 180.0, 360.0, -273.15, -273.2, 1e6, 1.7e9, 64000.0, 1e5,
 ];
 
-/// Whole numbers of JSON.
 const WHOLE: [i64; 10] = [0, 1, -1, 2, 7, 255, 65536, 4_294_967_296, i64::MAX, i64::MIN];
 
 /// Numbers of a command line, with bars between them.
@@ -37,12 +35,10 @@ pub fn reading(draw: &mut Draw) -> f64 {
     *draw.of(&NUMBERS)
 }
 
-/// A number on a command line.
 pub fn typed(draw: &mut Draw) -> &'static str {
     draw.part(TYPED)
 }
 
-/// A word.
 pub fn word(draw: &mut Draw) -> String {
     if draw.chance(3) { "long ".repeat(20_000) } else { draw.part(WORDS).to_string() }
 }

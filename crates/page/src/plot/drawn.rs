@@ -69,18 +69,15 @@ pub struct Point {
     pub bar: Option<[f64; 2]>,
 }
 
-/// Parts a line: nothing is missing here.
-const GAP: Point = Point { x: f64::NAN, y: f64::NAN, bar: None };
-
 impl Dimension {
     /// A linear axis.
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into(), log: false }
     }
 
-    /// A logarithmic axis.
-    pub fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
-        Self { log: true, ..Self::linear(label, unit) }
+    /// A logarithmic axis, with its unit in brackets.
+    pub fn log(text: &str) -> Self {
+        Self { log: true, ..Self::from(text) }
     }
 
     /// Label and unit.
@@ -89,15 +86,38 @@ impl Dimension {
     }
 }
 
+impl From<&str> for Dimension {
+    /// A linear axis, with its unit in brackets: `"offset [nT]"`.
+    fn from(text: &str) -> Self {
+        let Header { name, unit } = text.into();
+        Self::linear(name, unit)
+    }
+}
+
 impl Plot {
-    /// A plot without series as yet.
-    pub fn new(id: impl Into<String>, title: impl Into<String>, x: Dimension, y: Dimension) -> Self {
-        Self { id: id.into(), title: title.into(), x, y, ..Self::default() }
+    /// A plot without axes and series as yet.
+    pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
+        Self { id: id.into(), title: title.into(), ..Self::default() }
+    }
+
+    /// With these axes.
+    pub fn axes(self, x: impl Into<Dimension>, y: impl Into<Dimension>) -> Self {
+        Self { x: x.into(), y: y.into(), ..self }
+    }
+
+    /// With one step along x as long as one along y.
+    pub fn map(self) -> Self {
+        Self { map: true, ..self }
     }
 
     /// With a note below it.
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
+    pub fn note(self, note: impl Into<String>) -> Self {
+        Self { note: note.into(), ..self }
+    }
+
+    /// With this series, unless it has no points.
+    pub fn with(mut self, series: Series) -> Self {
+        self.push(series);
         self
     }
 
@@ -107,19 +127,93 @@ impl Plot {
             self.series.push(series);
         }
     }
+
+    /// All points, and the gaps between parts of a series.
+    pub fn points(&self) -> impl Iterator<Item = &Point> {
+        self.series.iter().flat_map(|series| &series.points)
+    }
+
+    /// Its points as a table.
+    pub fn table(&self) -> Table {
+        let header = |name: &str, unit: &str| Header { name: name.into(), unit: unit.into() };
+        let [x, y] = [&self.x, &self.y];
+        let mut headers = vec![header("series", ""), header(&x.label, &x.unit), header(&y.label, &y.unit)];
+        let bars = self.points().any(|point| point.bar.is_some());
+        if bars {
+            headers.extend(["low", "high"].map(|name| header(name, &y.unit)));
+        }
+        let mut rows = Vec::new();
+        for series in &self.series {
+            for point in series.values() {
+                let mut row = vec![(&series.name).into(), point.x.into(), point.y.into()];
+                if bars {
+                    row.extend(point.bar.map_or([Cell::Empty, Cell::Empty], |bar| bar.map(Cell::Number)));
+                }
+                rows.push(row);
+            }
+        }
+        Table { caption: self.title.clone(), headers, rows }
+    }
+
+    /// Its points as CSV: a line each, with the name of its series; empty where a number is missing.
+    pub fn csv(&self) -> String {
+        let quoted = |text: &str| {
+            let special = text.contains([',', '"', '\n']);
+            if special { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
+        };
+        let cell = |cell: &Cell| match cell {
+            Cell::Text(text) => quoted(text),
+            Cell::Number(number) if number.is_finite() => number.to_string(),
+            _ => String::new(),
+        };
+        let Table { headers, rows, .. } = self.table();
+        let bars = if headers.len() > 3 { ",low,high" } else { "" };
+        let mut text = format!("series,{},{}{bars}\n", quoted(&self.x.text()), quoted(&self.y.text()));
+        for row in rows {
+            text += &(row.iter().map(cell).collect::<Vec<_>>().join(",") + "\n");
+        }
+        text
+    }
+
+    /// How many points are missing or have no place on a logarithmic axis, as a sentence.
+    pub fn undrawn(&self) -> Option<String> {
+        let lost = |value: f64, log: bool| !value.is_finite() || (log && value <= 0.0);
+        let points = self.series.iter().flat_map(Series::values);
+        let count = points.filter(|point| lost(point.x, self.x.log) || lost(point.y, self.y.log)).count();
+        let log = if self.x.log || self.y.log { ", or not above zero on a logarithmic axis" } else { "" };
+        (count > 0)
+            .then(|| format!("Not drawn, missing or not finite{log}: {}.", number::counted(count, "point")))
+    }
 }
 
 impl Series {
     /// A series of x and y; the longer one is cut.
     pub fn new(name: impl Into<String>, mark: Mark, style: usize, x: &[f64], y: &[f64]) -> Self {
-        let points = x.iter().zip(y).map(|(x, y)| Point { x: *x, y: *y, bar: None }).collect();
-        Self { name: name.into(), mark, style, points }
+        let mut series = Self { name: name.into(), mark, style, points: Vec::new() };
+        series.append(x, y);
+        series
     }
 
-    /// Adds points after a gap.
+    /// Points of x and y.
+    pub fn points(name: impl Into<String>, style: usize, x: &[f64], y: &[f64]) -> Self {
+        Self::new(name, Mark::Points, style, x, y)
+    }
+
+    /// Points of x, y and the standard uncertainty of y.
+    pub fn measured(
+        name: impl Into<String>,
+        style: usize,
+        points: impl IntoIterator<Item = [f64; 3]>,
+    ) -> Self {
+        let point = |[x, y, std]: [f64; 3]| Point { x, y, bar: Some([y - std, y + std]) };
+        let points = points.into_iter().map(point).collect();
+        Self { name: name.into(), mark: Mark::Points, style, points }
+    }
+
+    /// Adds points, after a gap where there are others already.
     pub fn append(&mut self, x: &[f64], y: &[f64]) {
         if !self.points.is_empty() {
-            self.points.push(GAP);
+            self.points.push(Point { x: f64::NAN, y: f64::NAN, bar: None });
         }
         self.points.extend(x.iter().zip(y).map(|(x, y)| Point { x: *x, y: *y, bar: None }));
     }
@@ -146,39 +240,19 @@ impl Series {
     }
 }
 
-impl Plot {
-    /// Its points as a table.
-    pub fn table(&self) -> Table {
-        let mut headers = vec![
-            Header { name: "series".into(), unit: String::new() },
-            Header { name: self.x.label.clone(), unit: self.x.unit.clone() },
-            Header { name: self.y.label.clone(), unit: self.y.unit.clone() },
-        ];
-        let bars = self.series.iter().flat_map(|series| &series.points).any(|point| point.bar.is_some());
-        if bars {
-            headers
-                .extend(["low", "high"].map(|name| Header { name: name.into(), unit: self.y.unit.clone() }));
-        }
-        let mut rows = Vec::new();
-        for series in &self.series {
-            for point in series.values() {
-                let mut row = vec![series.name.as_str().into(), point.x.into(), point.y.into()];
-                if bars {
-                    row.extend(point.bar.map_or([Cell::Empty, Cell::Empty], |bar| bar.map(Cell::Number)));
-                }
-                rows.push(row);
-            }
-        }
-        Table { caption: self.title.clone(), headers, rows }
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// How many points are missing or have no place on a logarithmic axis, as a sentence.
-    pub fn undrawn(&self) -> Option<String> {
-        let lost = |value: f64, log: bool| !value.is_finite() || (log && value <= 0.0);
-        let points = self.series.iter().flat_map(Series::values);
-        let count = points.filter(|point| lost(point.x, self.x.log) || lost(point.y, self.y.log)).count();
-        let log = if self.x.log || self.y.log { ", or not above zero on a logarithmic axis" } else { "" };
-        (count > 0)
-            .then(|| format!("Not drawn, missing or not finite{log}: {}.", number::counted(count, "point")))
+    #[test]
+    fn names_are_quoted_and_gaps_empty() {
+        let plot = Plot::new("p", "P")
+            .axes("t [s]", "B [nT]")
+            .with(Series::new("a, \"b\"", Mark::Line, 0, &[0.5, 1.0], &[f64::NAN, 2.0]))
+            .with(Series::measured("c", 0, [[0.0, 1.0, 0.25]]));
+        assert_eq!(
+            plot.csv(),
+            "series,t (s),B (nT),low,high\n\"a, \"\"b\"\"\",0.5,,,\n\"a, \"\"b\"\"\",1,2,,\nc,0,1,0.75,1.25\n"
+        );
     }
 }

@@ -1,9 +1,8 @@
 use std::fmt::Write;
 
 use super::drawn::{Mark, Plot, Point, Series};
-use super::scale::Scale;
-use super::ticks::Tick;
-use crate::escape::escape;
+use super::scale::{Scale, Tick};
+use crate::words::escape;
 
 /// Size of a drawing; a map is as high as it must be.
 const WIDTH: f64 = 400.0;
@@ -20,9 +19,8 @@ pub const STYLES: usize = 6;
 /// The drawing as an SVG element; colours and theme come from the page's style. Without a point that can be
 /// drawn: a sentence.
 pub fn svg(plot: &Plot) -> String {
-    let points = || plot.series.iter().flat_map(|series| &series.points);
-    let xs = points().map(|point| point.x);
-    let ys = points().flat_map(|point| [point.y].into_iter().chain(point.bar.into_iter().flatten()));
+    let xs = plot.points().map(|point| point.x);
+    let ys = plot.points().flat_map(|point| [point.y].into_iter().chain(point.bar.into_iter().flatten()));
     let (Some(mut x), Some(mut y)) = (Scale::over(xs, plot.x.log), Scale::over(ys, plot.y.log)) else {
         return "<p class=\"nothing\">No value that can be drawn.</p>".into();
     };
@@ -45,15 +43,17 @@ pub fn svg(plot: &Plot) -> String {
         right - left,
         bottom - ABOVE
     );
+    // A minor mark has no label.
+    let grid = |tick: &Tick| if tick.label.is_empty() { "minor" } else { "grid" };
     for tick in spaced(&x) {
         if let Some(at) = x.place(tick.at) {
-            line(&mut out, &tick, &format!("M{at:.1} {ABOVE}V{bottom:.1}"));
+            path(&mut out, grid(&tick), &format!("M{at:.1} {ABOVE}V{bottom:.1}"));
             label(&mut out, "x", at, bottom + 20.0, &tick.label);
         }
     }
     for tick in ticks {
         if let Some(at) = y.place(tick.at) {
-            line(&mut out, &tick, &format!("M{left:.1} {at:.1}H{right:.1}"));
+            path(&mut out, grid(&tick), &format!("M{left:.1} {at:.1}H{right:.1}"));
             label(&mut out, "y", left - 6.0, at + 4.0, &tick.label);
         }
     }
@@ -71,14 +71,11 @@ pub fn svg(plot: &Plot) -> String {
 
 /// The sign of a series in the legend.
 pub fn swatch(series: &Series) -> String {
-    let mut out = format!(
-        "<svg class=\"swatch\" viewBox=\"0 0 26 14\" aria-hidden=\"true\"><g class=\"s{}\">",
-        series.style % STYLES
-    );
-    match series.mark {
-        Mark::Points => {}
-        Mark::Line => path(&mut out, "line", "M1 7H25"),
-        Mark::Dashes => path(&mut out, "dashes", "M1 7H25"),
+    let style = series.style % STYLES;
+    let mut out =
+        format!("<svg class=\"swatch\" viewBox=\"0 0 26 14\" aria-hidden=\"true\"><g class=\"s{style}\">");
+    if series.mark != Mark::Points {
+        path(&mut out, stroke(series.mark), "M1 7H25");
     }
     if series.mark != Mark::Dashes {
         let mut d = String::new();
@@ -87,11 +84,6 @@ pub fn swatch(series: &Series) -> String {
     }
     out.push_str("</g></svg>");
     out
-}
-
-/// The line of a mark across the drawing; a minor one has no label.
-fn line(out: &mut String, tick: &Tick, d: &str) {
-    path(out, if tick.label.is_empty() { "minor" } else { "grid" }, d);
 }
 
 fn label(out: &mut String, class: &str, x: f64, y: f64, text: &str) {
@@ -152,18 +144,7 @@ fn drawn(series: &Series, x: &Scale, y: &Scale, marked: bool) -> String {
         }
         Mark::Line | Mark::Dashes => {
             path(&mut out, "band", &band(series, x, y));
-            let mut line = String::new();
-            let mut open = false;
-            for point in &series.points {
-                match place(point) {
-                    Some([px, py]) => {
-                        let _ = write!(line, "{}{px:.1} {py:.1}", if open { "L" } else { "M" });
-                        open = true;
-                    }
-                    None => open = false,
-                }
-            }
-            path(&mut out, if series.mark == Mark::Line { "line" } else { "dashes" }, &line);
+            path(&mut out, stroke(series.mark), &line_through(series.points.iter().map(place)));
             if marked && series.mark == Mark::Line {
                 path(&mut out, "points", &signs(series, place));
             }
@@ -177,11 +158,8 @@ fn drawn(series: &Series, x: &Scale, y: &Scale, marked: bool) -> String {
 fn signs(series: &Series, place: impl Fn(&Point) -> Option<[f64; 2]>) -> String {
     let mut shapes = String::new();
     let stride = (series.points.len() / 7).max(1);
-    for point in series.points.iter().skip(stride / 2).step_by(stride) {
-        if let Some(at) = place(point) {
-            shape(&mut shapes, series.style, at, 3.0);
-        }
-    }
+    let some = series.points.iter().skip(stride / 2).step_by(stride);
+    some.filter_map(place).for_each(|at| shape(&mut shapes, series.style, at, 3.0));
     shapes
 }
 
@@ -194,21 +172,31 @@ fn ends(point: &Point, y: &Scale) -> Option<[f64; 2]> {
 }
 
 fn band(series: &Series, x: &Scale, y: &Scale) -> String {
-    let ends: Vec<[f64; 3]> = series
-        .points
-        .iter()
-        .filter_map(|point| {
-            let [low, high] = ends(point, y)?;
-            Some([x.place(point.x)?, low, high])
-        })
-        .collect();
-    let there = ends.iter().map(|[x, _, high]| [*x, *high]);
-    let back = ends.iter().rev().map(|[x, low, _]| [*x, *low]);
-    let mut d = String::new();
-    for [px, py] in there.chain(back) {
-        let _ = write!(d, "{}{px:.1} {py:.1}", if d.is_empty() { "M" } else { "L" });
+    let ends = |point: &Point| {
+        let [low, high] = ends(point, y)?;
+        Some([x.place(point.x)?, low, high])
+    };
+    let ends: Vec<[f64; 3]> = series.points.iter().filter_map(ends).collect();
+    let there = ends.iter().map(|[x, _, high]| Some([*x, *high]));
+    let back = ends.iter().rev().map(|[x, low, _]| Some([*x, *low]));
+    line_through(there.chain(back))
+}
+
+/// A line that is parted where there is no place.
+fn line_through(places: impl Iterator<Item = Option<[f64; 2]>>) -> String {
+    let (mut line, mut step) = (String::new(), "M");
+    for place in places {
+        if let Some([x, y]) = place {
+            let _ = write!(line, "{step}{x:.1} {y:.1}");
+        }
+        step = if place.is_some() { "L" } else { "M" };
     }
-    d
+    line
+}
+
+/// The class of a line.
+fn stroke(mark: Mark) -> &'static str {
+    if mark == Mark::Dashes { "dashes" } else { "line" }
 }
 
 fn path(out: &mut String, class: &str, d: &str) {
@@ -219,31 +207,16 @@ fn path(out: &mut String, class: &str, d: &str) {
 
 /// Circle, square, triangle, diamond, plus and cross.
 fn shape(d: &mut String, style: usize, [x, y]: [f64; 2], r: f64) {
-    let _ = match style % STYLES {
-        0 => write!(d, "M{:.1} {y:.1}a{r} {r} 0 1 0 {:.1} 0a{r} {r} 0 1 0 {:.1} 0", x - r, 2.0 * r, -2.0 * r),
-        1 => {
-            let r = 0.9 * r;
-            write!(d, "M{:.1} {:.1}h{:.1}v{:.1}h{:.1}z", x - r, y - r, 2.0 * r, 2.0 * r, -2.0 * r)
-        }
-        2 => {
-            write!(d, "M{x:.1} {:.1}l{:.1} {:.1}h{:.1}z", y - 1.2 * r, 1.15 * r, 2.0 * r, -2.3 * r)
-        }
-        3 => {
-            let r = 1.25 * r;
-            write!(d, "M{x:.1} {:.1}l{r:.1} {r:.1}l{:.1} {r:.1}l{:.1} {:.1}z", y - r, -r, -r, -r)
-        }
-        4 => write!(d, "M{:.1} {y:.1}h{:.1}M{x:.1} {:.1}v{:.1}", x - r, 2.0 * r, y - r, 2.0 * r),
-        _ => write!(
-            d,
-            "M{:.1} {:.1}l{:.1} {:.1}m{:.1} 0l{:.1} {:.1}",
-            x - r,
-            y - r,
-            2.0 * r,
-            2.0 * r,
-            -2.0 * r,
-            2.0 * r,
-            -2.0 * r
-        ),
+    let style = style % STYLES;
+    let r = r * [1.0, 0.9, 1.0, 1.25, 1.0, 1.0][style];
+    let (left, up, two) = (x - r, y - r, 2.0 * r);
+    let _ = match style {
+        0 => write!(d, "M{left:.1} {y:.1}a{r} {r} 0 1 0 {two:.1} 0a{r} {r} 0 1 0 {:.1} 0", -two),
+        1 => write!(d, "M{left:.1} {up:.1}h{two:.1}v{two:.1}h{:.1}z", -two),
+        2 => write!(d, "M{x:.1} {:.1}l{:.1} {two:.1}h{:.1}z", y - 1.2 * r, 1.15 * r, -2.3 * r),
+        3 => write!(d, "M{x:.1} {up:.1}l{r:.1} {r:.1}l{0:.1} {r:.1}l{0:.1} {0:.1}z", -r),
+        4 => write!(d, "M{left:.1} {y:.1}h{two:.1}M{x:.1} {up:.1}v{two:.1}"),
+        _ => write!(d, "M{left:.1} {up:.1}l{two:.1} {two:.1}m{0:.1} 0l{two:.1} {0:.1}", -two),
     };
 }
 
@@ -252,10 +225,8 @@ mod tests {
     use super::*;
     use crate::plot::Dimension;
 
-    fn plot(series: Series) -> Plot {
-        let mut plot = Plot::new("p", "P", Dimension::log("f", "Hz"), Dimension::log("P", "nT²/Hz"));
-        plot.push(series);
-        plot
+    fn drawn(series: Series) -> String {
+        svg(&Plot::new("p", "P").axes(Dimension::log("f [Hz]"), Dimension::log("P [nT²/Hz]")).with(series))
     }
 
     /// The paths of a class.
@@ -268,7 +239,7 @@ mod tests {
     fn a_gap_parts_a_line_and_what_has_no_place_is_left_out() {
         let mut series = Series::new("s", Mark::Line, 0, &[1.0, 10.0], &[1.0, 2.0]);
         series.append(&[20.0, 30.0, 40.0], &[3.0, -1.0, 4.0]);
-        let svg = svg(&plot(series));
+        let svg = drawn(series);
         let lines = paths(&svg, "line");
         assert_eq!(lines.len(), 1);
         assert_eq!((lines[0].matches('M').count(), lines[0].matches('L').count()), (3, 1), "{}", lines[0]);
@@ -276,19 +247,16 @@ mod tests {
 
     #[test]
     fn a_bar_to_below_zero_ends_at_the_foot_of_a_logarithmic_axis() {
-        let series =
-            Series::new("s", Mark::Points, 0, &[1.0, 2.0], &[1.0, 10.0]).between(&[-1.0, 5.0], &[2.0, 20.0]);
-        let svg = svg(&plot(series));
+        let series = Series::points("s", 0, &[1.0, 2.0], &[1.0, 10.0]).between(&[-1.0, 5.0], &[2.0, 20.0]);
+        let svg = drawn(series);
         let foot = HEIGHT - BELOW;
         assert!(paths(&svg, "bars")[0].contains(&format!(" {foot:.1}V")), "{svg}");
     }
 
     #[test]
     fn a_map_has_the_same_length_of_a_step_both_ways() {
-        let mut plot = Plot::new("p", "P", Dimension::linear("x", ""), Dimension::linear("y", ""));
-        plot.map = true;
-        plot.push(Series::new("s", Mark::Line, 0, &[0.0, 3.0, 0.0], &[0.0, 0.0, 1.0]));
-        let svg = svg(&plot);
+        let series = Series::new("s", Mark::Line, 0, &[0.0, 3.0, 0.0], &[0.0, 0.0, 1.0]);
+        let svg = svg(&Plot::new("p", "P").axes("x", "y").map().with(series));
         let places: Vec<f64> =
             paths(&svg, "line")[0].split(['M', 'L', ' ']).filter_map(|number| number.parse().ok()).collect();
         let [x0, y0, x1, _, _, y2] = places[..] else { panic!("{places:?}") };

@@ -9,12 +9,12 @@ const COLUMNS: usize = 400;
 /// The plot with its long series thinned, and a sentence where that was done: of each 1/400 of the width the
 /// lowest and the highest point remain, so that no excursion is lost.
 pub fn thinned(mut plot: Plot) -> (Plot, Option<String>) {
-    let rows: usize = plot.series.iter().map(|series| series.points.len()).sum();
+    let rows = plot.points().count();
     let log = plot.x.log;
     for series in &mut plot.series {
         thin(series, log);
     }
-    let kept: usize = plot.series.iter().map(|series| series.points.len()).sum();
+    let kept = plot.points().count();
     let note = (kept < rows).then(|| {
         format!(
             "Of {rows} rows {kept} are drawn and in the data: the lowest and the highest of each 1/{COLUMNS} of the width."
@@ -54,7 +54,7 @@ fn thin(series: &mut Series, log: bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plot::{Dimension, Mark};
+    use crate::plot::Mark;
 
     #[test]
     fn excursions_and_gaps_survive_and_a_short_series_is_left() {
@@ -62,9 +62,13 @@ mod tests {
         let mut y: Vec<f64> = x.iter().map(|x| (x / 500.0).sin()).collect();
         y[54_321] = 40.0;
         y[30_000..30_500].fill(f64::NAN);
-        let mut plot = Plot::new("p", "P", Dimension::linear("t", "s"), Dimension::linear("B", "nT"));
-        plot.push(Series::new("long", Mark::Line, 0, &x, &y));
-        plot.push(Series::new("short", Mark::Line, 1, &[1.0, 2.0], &[3.0, f64::NAN]));
+        let plot = Plot::new("p", "P").with(Series::new("long", Mark::Line, 0, &x, &y)).with(Series::new(
+            "short",
+            Mark::Line,
+            1,
+            &[1.0, 2.0],
+            &[3.0, f64::NAN],
+        ));
         let (plot, note) = thinned(plot);
         assert!(plot.series[0].points.len() <= 2 * COLUMNS + 3);
         assert!(plot.series[0].points.iter().any(|point| point.y.is_nan()));

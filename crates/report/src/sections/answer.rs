@@ -1,6 +1,6 @@
 //! What the document comes to, in one sentence.
 
-use common::{Axis, Calibration, Document, OneOrEach, Quantity};
+use common::{Axis, Calibration, Document, OneOrEach, Quantity, SensorCalibration};
 use page::words::counted;
 
 use crate::number::{figures, significant};
@@ -26,36 +26,30 @@ pub fn answer(document: &Document) -> Option<String> {
 fn calibrated(calibration: &Calibration) -> Option<String> {
     let (mut parts, mut left) = (Vec::new(), Vec::new());
     if let Some(coils) = &calibration.coils {
-        let found = || coils.iter().filter_map(|(_, coil)| coil.constant.as_ref());
-        let constants = coils.iter().filter(|(_, coil)| coil.constant.is_some());
-        let known = ppm(constants.filter_map(|(_, coil)| coil.constant_nt_per_a.as_ref()));
-        if found().count() > 0 {
-            parts.push(format!(
-                "{}{}",
-                counted(found().count(), "coil"),
-                known_to([known.map(|known| format!("constants {known}"))])
-            ));
-            left.extend(found().map(|fit| fit.rms_nt));
+        let found = coils.iter().filter_map(|(_, coil)| Some((coil, coil.constant.as_ref()?)));
+        let found: Vec<_> = found.collect();
+        if !found.is_empty() {
+            let known = ppm(found.iter().filter_map(|(coil, _)| coil.constant_nt_per_a.as_ref()));
+            let known = known_to([known.map(|known| format!("constants {known}"))]);
+            parts.push(format!("{}{known}", counted(found.len(), "coil")));
+            left.extend(found.iter().map(|(_, fit)| fit.rms_nt));
         }
     }
     let scalar = calibration.scalar.as_ref();
     if let Some(sensors) = &calibration.sensors {
-        let mine = || {
-            sensors.iter().map(|(_, sensor)| sensor).filter(|sensor| {
-                scalar.is_some()
-                    || sensor.sensitivity.is_some()
-                    || sensor.reversal.is_some()
-                    || sensor.temperature.is_some()
-            })
+        let is_mine = |sensor: &&SensorCalibration| {
+            let own = sensor.sensitivity.is_some() || sensor.reversal.is_some();
+            scalar.is_some() || own || sensor.temperature.is_some()
         };
-        let k =
-            mine().filter_map(|one| one.sensitivity_nt_per_v.as_ref().or(one.sensitivity_nt_per_nt.as_ref()));
-        let offset = mine().filter_map(|sensor| sensor.offset_nt.as_ref()?.std()).reduce(f64::max);
-        let offset = offset.map(|std| format!("offsets to {} nT", significant(std, 2)));
-        if mine().count() > 0 {
-            let known = known_to([ppm(k).map(|known| format!("sensitivities {known}")), offset]);
-            parts.push(format!("{}{known}", counted(mine().count(), "sensor")));
-            left.extend(mine().filter_map(|sensor| Some(sensor.sensitivity.as_ref()?.noise.rms_nt)));
+        let mine: Vec<_> = sensors.iter().map(|(_, sensor)| sensor).filter(is_mine).collect();
+        if !mine.is_empty() {
+            let of_each = mine.iter().map(|one| [&one.sensitivity_nt_per_v, &one.sensitivity_nt_per_nt]);
+            let k = ppm(of_each.filter_map(|[volt, field]| volt.as_ref().or(field.as_ref())));
+            let offset = mine.iter().filter_map(|one| one.offset_nt.as_ref()?.std()).reduce(f64::max);
+            let offset = offset.map(|std| format!("offsets to {} nT", significant(std, 2)));
+            let known = known_to([k.map(|known| format!("sensitivities {known}")), offset]);
+            parts.push(format!("{}{known}", counted(mine.len(), "sensor")));
+            left.extend(mine.iter().filter_map(|one| Some(one.sensitivity.as_ref()?.noise.rms_nt)));
         }
     }
     let axes = calibration.axes.as_ref().filter(|axes| axes.fit.is_some() || scalar.is_some());
@@ -72,11 +66,8 @@ fn calibrated(calibration: &Calibration) -> Option<String> {
     }
     let ends = crate::number::ends(left.into_iter()).map(|[low, high]| {
         let [low, high] = [low, high].map(|rms| figures(rms, 2));
-        if low == high {
-            format!("; residuals {low} nT rms")
-        } else {
-            format!("; residuals {low} to {high} nT rms")
-        }
+        let to = if low == high { String::new() } else { format!(" to {high}") };
+        format!("; residuals {low}{to} nT rms")
     });
     Some(format!("Calibrated: {}{}{}.", parts.join(", "), ends.unwrap_or_default(), agreement(calibration)))
 }
@@ -124,10 +115,9 @@ fn corrected(document: &Document) -> Option<String> {
             }
         }
     }
-    let known = if largest > 0.0 {
-        format!(", each component to {} nT or better", significant(largest, 2))
-    } else {
-        String::new()
+    let known = match largest > 0.0 {
+        true => format!(", each component to {} nT or better", significant(largest, 2)),
+        false => String::new(),
     };
     (all > 0).then(|| format!("Corrected: {rows} of {} have a field{known}.", counted(all, "row")))
 }

@@ -2,7 +2,7 @@
 
 use common::{AxesDirections, Axis, Matrix3x3};
 
-use crate::plot::{self, Dimension, Mark, Plot, Series};
+use crate::plot::{Mark, Plot, Point, Series};
 
 const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 const LEVEL: f64 = 0.95;
@@ -15,39 +15,45 @@ const LEVEL: f64 = 0.95;
 /// taken to the tangent plane at v.
 pub fn maps(id: &str, of: &str, directions: &AxesDirections) -> Vec<Plot> {
     let note = "Across and up: the two other axes in cyclic order, for x towards y and z, for y towards z and x, for z towards x and y.";
-    let arcsec = |label: &str| Dimension::linear(label, "arcsec");
-    let mut nominal = Plot::new(
-        format!("{id}-map"),
-        format!("Directions of the {of} about their nominal axes"),
-        arcsec("towards the next axis"),
-        arcsec("towards the axis after it"),
-    )
-    .note(note);
-    nominal.map = true;
-    nominal.push(Series::new("nominal", Mark::Points, 4, &[0.0], &[0.0]));
-    let mut regions = Plot::new(
-        format!("{id}-ellipses"),
-        format!("95 % regions of these directions of the {of}"),
-        arcsec("towards the next axis"),
-        arcsec("towards the axis after it"),
-    )
-    .note(
+    let map = |end: &str, title: String| {
+        Plot::new(format!("{id}-{end}"), title)
+            .axes("towards the next axis [arcsec]", "towards the axis after it [arcsec]")
+            .map()
+    };
+    let mut nominal = map("map", format!("Directions of the {of} about their nominal axes"))
+        .note(note)
+        .with(Series::points("nominal", 4, &[0.0], &[0.0]));
+    let mut regions = map("ellipses", format!("95 % regions of these directions of the {of}")).note(
         "Each about its own direction. From the covariance of the direction, χ² with two degrees of freedom.",
     );
-    regions.map = true;
     for axis in Axis::ALL {
         let Some(v) = directions.direction(axis) else { continue };
         let name = format!("{of} {axis}").replace("sensors", "sensor").replace("coils", "coil");
         let [east, north] = from_nominal(axis, v);
-        nominal.push(Series::new(&name, Mark::Points, axis.index(), &[east], &[north]));
+        nominal.push(Series::points(&name, axis.index(), &[east], &[north]));
         if let Some(covariance) = tangential(directions, axis, v) {
-            regions.push(plot::ellipse(&name, axis.index(), [0.0; 2], covariance, LEVEL));
+            let points = ellipse(covariance);
+            regions.push(Series { name, mark: Mark::Line, style: axis.index(), points });
         }
     }
-    [nominal, regions]
-        .into_iter()
-        .filter(|plot| plot.series.iter().any(|series| series.name != "nominal"))
-        .collect()
+    let is_drawn = |plot: &Plot| plot.series.iter().any(|series| series.name != "nominal");
+    [nominal, regions].into_iter().filter(is_drawn).collect()
+}
+
+/// The region about zero of two quantities with this covariance: pᵀ C⁻¹ p = −2 ln(1 − level), the χ² of two
+/// degrees of freedom.
+fn ellipse(covariance: Matrix2x2) -> Vec<Point> {
+    const POINTS: usize = 72;
+    let radius = (-2.0 * (1.0 - LEVEL).ln()).sqrt();
+    // Cholesky factor of the covariance; rounding may leave a variance a little below zero.
+    let a = covariance[0][0].max(0.0).sqrt();
+    let b = if a > 0.0 { covariance[1][0] / a } else { 0.0 };
+    let c = (covariance[1][1] - b * b).max(0.0).sqrt();
+    let point = |n: usize| {
+        let (sin, cos) = (n as f64 / POINTS as f64 * std::f64::consts::TAU).sin_cos();
+        Point { x: radius * a * cos, y: radius * (b * cos + c * sin), bar: None }
+    };
+    (0..=POINTS).map(point).collect()
 }
 
 fn from_nominal(axis: Axis, v: [f64; 3]) -> [f64; 2] {
@@ -117,12 +123,18 @@ mod tests {
             covariance_order: Some((0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect()),
             ..AxesDirections::default()
         };
-        let [[a, b], [_, c]] = tangential(&directions, Axis::Y, [0.0, 1.0, 0.0]).expect("a covariance");
-        let square = ARCSEC_PER_RAD * ARCSEC_PER_RAD;
-        assert!(
-            (a - 4e-12 * square).abs() < 1e-9
-                && (b - 5e-13 * square).abs() < 1e-9
-                && (c - 1e-12 * square).abs() < 1e-9
-        );
+        let found = tangential(&directions, Axis::Y, [0.0, 1.0, 0.0]).expect("a covariance");
+        let expected = [4e-12, 5e-13, 5e-13, 1e-12].map(|entry| entry * ARCSEC_PER_RAD * ARCSEC_PER_RAD);
+        assert!(found.iter().flatten().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+    }
+
+    #[test]
+    fn every_point_of_an_ellipse_has_the_same_mahalanobis_distance() {
+        let [p, q, r] = [4.0, 1.5, 1.0];
+        for Point { x, y, .. } in ellipse([[p, q], [q, r]]) {
+            let squared = (r * x * x - 2.0 * q * x * y + p * y * y) / (p * r - q * q);
+            // 5.991 is the 95 % point of χ² with two degrees of freedom.
+            assert!((squared - 5.991_464_547).abs() < 1e-6, "{squared}");
+        }
     }
 }

@@ -7,7 +7,6 @@ use super::residuals::{Names, plots};
 use crate::plot::Plot;
 use crate::{Cell, Effect, Finding, Section, Table, number};
 
-/// The section; None where the document has nothing of it.
 pub fn section(document: &Document) -> Option<Section> {
     let all = document.diagnosis.as_ref().filter(|all| !all.is_empty())?;
     let mut section = Section::new("diagnosis", "Diagnosis");
@@ -21,17 +20,14 @@ pub fn section(document: &Document) -> Option<Section> {
         section.say(answer(diagnosis));
         section.warnings.extend(diagnosis.fit.as_ref().and_then(absurd));
         // The picture first: the recording before, and with what was found.
-        let mut series =
-            diagnosis.series.iter().enumerate().map(|(number, series)| {
-                residuals(&format!("{}-{}", index + 1, number + 1), series, diagnosis)
-            });
+        let drawn = |(number, series)| {
+            let id = format!("residual-{}-{}", index + 1, number + 1);
+            residuals(id, series, diagnosis)
+        };
+        let mut series = diagnosis.series.iter().enumerate().map(drawn);
         series.next().into_iter().flatten().for_each(|plot| section.plot(plot));
         reasons(&mut section, diagnosis);
-        for effect in &diagnosis.effects {
-            effect_words(&mut section, effect);
-        }
-        section.table(effects(diagnosis));
-        section.table(parameters(diagnosis));
+        effects(&mut section, diagnosis);
         series.flatten().for_each(|plot| section.plot(plot));
         tables(&mut section, diagnosis);
     }
@@ -83,40 +79,18 @@ fn reasons(section: &mut Section, diagnosis: &Diagnosis) {
     if let Some(next) = &diagnosis.next_experiment {
         section.say(sentence(&format!("what would decide: {next}")));
     }
-    let mut table = Table::new(
-        "Where it shows",
-        [
-            ("place", ""),
-            ("sensors", ""),
-            ("frame", ""),
-            ("follows", ""),
-            ("share of the energy", ""),
-            ("what", ""),
-        ],
-    );
-    for place in &diagnosis.places {
+    let places = diagnosis.places.iter().map(|place| {
         let sensors: Vec<&str> = place.sensors.iter().map(|axis| axis.letter()).collect();
-        table.row([
-            place.place.clone().into(),
-            sensors.join(", ").into(),
-            place.frame.clone().into(),
-            place.covariates.join(", ").into(),
-            place.energy_share.map(|share| number::fixed(share, 3)).into(),
-            place.description.as_str().into(),
-        ]);
-    }
-    section.table(table);
+        let (sensors, follows) = (sensors.join(", "), place.covariates.join(", "));
+        let share = place.energy_share.map(share);
+        (&place.place, sensors, &place.frame, follows, share, &place.description)
+    });
+    let headers = "place | sensors | frame | follows | share of the energy | what";
+    section.rows("Where it shows", headers, places);
 }
 
-fn effect_words(section: &mut Section, effect: &ExplainedEffect) {
-    let mut words = format!("{}: {}", named(effect), effect.physics);
-    if !effect.equation.is_empty() {
-        words.push_str(&format!(" Equation: {}.", effect.equation));
-    }
-    if !effect.source.is_empty() {
-        words.push_str(&format!(" Source: {}.", effect.source));
-    }
-    section.say(words);
+fn share(share: f64) -> String {
+    number::fixed(share, 3)
 }
 
 fn named(effect: &ExplainedEffect) -> String {
@@ -130,210 +104,131 @@ fn named(effect: &ExplainedEffect) -> String {
     if targets.is_empty() { name } else { format!("{name}, {}", targets.join(", ")) }
 }
 
-/// One row an effect: how sure it is, what it accounts for, and what its form leaves.
-fn effects(diagnosis: &Diagnosis) -> Table {
+/// In words, how sure each is, what it accounts for, what its form leaves, and its parameters.
+fn effects(section: &mut Section, diagnosis: &Diagnosis) {
     let mut table = Table::new(
         "Effects",
-        [
-            ("effect", ""),
-            ("probability of the effect", ""),
-            ("share of the explicable variance", ""),
-            ("departure from its equation, share", ""),
-            ("p", ""),
-            ("gain on held-out readings", "nT"),
-            ("visible", ""),
-        ],
+        "effect | probability of the effect | share of the explicable variance | departure from its equation, share | p | \
+         gain on held-out readings [nT] | visible",
     );
+    let mut parameters = Table::new("Parameters of the effects", "effect | parameter | value | unit");
     for effect in &diagnosis.effects {
-        let share = |value: Option<f64>| value.map(|value| number::fixed(value, 3));
-        table.row([
-            named(effect).into(),
-            share(effect.probability).into(),
-            share(effect.share).into(),
-            share(effect.departure).into(),
+        let name = named(effect);
+        let mut words = format!("{name}: {}", effect.physics);
+        for (of, text) in [("Equation", &effect.equation), ("Source", &effect.source)] {
+            if !text.is_empty() {
+                words.push_str(&format!(" {of}: {text}."));
+            }
+        }
+        section.say(words);
+        table.row((
+            &name,
+            effect.probability.map(share),
+            effect.share.map(share),
+            effect.departure.map(share),
             Cell::Probability(effect.p_adjusted),
             Cell::Figures(effect.held_out_gain_nt, 3),
-            number::fixed(effect.visible_fraction, 3).into(),
-        ]);
-    }
-    table
-}
-
-fn parameters(diagnosis: &Diagnosis) -> Table {
-    let columns = [("effect", ""), ("parameter", ""), ("value", ""), ("unit", "")];
-    let mut table = Table::new("Parameters of the effects", columns);
-    for effect in &diagnosis.effects {
+            share(effect.visible_fraction),
+        ));
         let parts = effect.list.iter().flat_map(|part| &part.parameters);
-        for (name, value) in effect.parameters.iter().chain(parts) {
-            let (name, unit) = key(name);
-            table.row([named(effect).into(), name.into(), value.into(), unit.into()]);
+        for (parameter, value) in effect.parameters.iter().chain(parts) {
+            let (parameter, unit) = key(parameter);
+            parameters.row((&name, parameter, value, unit));
         }
     }
-    table
+    section.table(table);
+    section.table(parameters);
 }
 
-fn residuals(id: &str, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<Plot> {
-    let of = series.recording.as_ref().map_or("all recordings".into(), |id| id.clone());
+fn residuals(id: String, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<Plot> {
+    let of = series.recording.as_deref().unwrap_or("all recordings");
     let (column, _) = key(&series.column);
     let noise = diagnosis.fit.as_ref().map(|fit| {
-        format!(
-            "Noise of a reading: {} nT ({}).",
-            number::significant(fit.noise_floor_nt, 3),
-            fit.noise_source
-        )
+        let floor = number::significant(fit.noise_floor_nt, 3);
+        format!("Noise of a reading: {floor} nT ({}).", fit.noise_source)
     });
-    let names = Names {
-        id: format!("residual-{id}"),
-        title: format!("Residual of {column}, {of},"),
-        residual: "residual",
-        legend: ["before: stated calibration", "after: with the effects found", "fitted"],
-    };
-    plots(&names, series, &noise.unwrap_or_default())
+    let title = format!("Residual of {column}, {of},");
+    let legend = ["before: stated calibration", "after: with the effects found", "fitted"];
+    plots(&Names { id, title, residual: "residual", legend }, series, &noise.unwrap_or_default())
 }
 
 fn tables(section: &mut Section, diagnosis: &Diagnosis) {
     let mut rms = Table::new(
         "Rms of the residuals",
-        [
-            ("recording, column", ""),
-            ("before", "nT"),
-            ("after", "nT"),
-            ("held out, before", "nT"),
-            ("held out, after", "nT"),
-            ("noise", "nT"),
-        ],
+        "recording, column | before [nT] | after [nT] | held out, before [nT] | held out, after [nT] | noise [nT]",
     );
     if let Some(fit) = &diagnosis.fit {
         section.say(format!(
             "Calibration refitted without any effect: {} nT rms.",
             number::significant(fit.rms_refitted_nt, 4)
         ));
-        let figures = |name: String, figures: [f64; 5]| -> [Cell; 6] {
-            let [a, b, c, d, e] = figures.map(|figure| Cell::Figures(figure, 4));
-            [name.into(), a, b, c, d, e]
+        let mut row = |name: String, figures: [f64; 5]| {
+            let [a, b, c, d, e] = figures.map(|rms| Cell::Figures(rms, 4));
+            rms.row((name, a, b, c, d, e));
         };
-        rms.row(figures(
-            "all".into(),
-            [
-                fit.rms_before_nt,
-                fit.rms_after_nt,
-                fit.held_out_before_nt,
-                fit.held_out_after_nt,
-                fit.noise_floor_nt,
-            ],
-        ));
+        let [before, after] = [fit.held_out_before_nt, fit.held_out_after_nt];
+        row("all".into(), [fit.rms_before_nt, fit.rms_after_nt, before, after, fit.noise_floor_nt]);
         for one in &fit.by_recording {
-            rms.row(figures(
-                format!("{}, {}", one.recording, one.column),
-                [
-                    one.rms_before_nt,
-                    one.rms_after_nt,
-                    one.held_out_before_nt,
-                    one.held_out_after_nt,
-                    one.noise_floor_nt,
-                ],
-            ));
+            let [before, after] = [one.held_out_before_nt, one.held_out_after_nt];
+            let figures = [one.rms_before_nt, one.rms_after_nt, before, after, one.noise_floor_nt];
+            row(format!("{}, {}", one.recording, one.column), figures);
         }
     }
     section.table(rms);
-    let mut rivals =
-        Table::new("Effects that were rejected, and why", [("effect", ""), ("rival", ""), ("why not", "")]);
-    for effect in &diagnosis.effects {
-        for rival in &effect.rivals {
-            rivals.row([
-                named(effect).into(),
-                rival.effect.replace('_', " ").into(),
-                rival.why_not.as_str().into(),
-            ]);
-        }
-    }
-    section.table(rivals);
-    let columns =
-        [("kind of physics", ""), ("probability", ""), ("share", ""), ("members", ""), ("another form", "")];
-    let mut families = Table::new("Kinds of physics, whatever their form", columns);
-    for one in &diagnosis.families {
+    let all =
+        diagnosis.effects.iter().flat_map(|effect| effect.rivals.iter().map(move |rival| (effect, rival)));
+    let rivals = all.map(|(effect, rival)| (named(effect), rival.effect.replace('_', " "), &rival.why_not));
+    section.rows("Effects that were rejected, and why", "effect | rival | why not", rivals);
+    let families = diagnosis.families.iter().map(|one| {
         let member = |member: &FamilyMember| {
             format!("{} {}", member.effect.replace('_', " "), number::probability(member.probability))
         };
         let members: Vec<String> = one.members.iter().map(member).collect();
-        families.row([
-            one.title.as_str().into(),
-            Cell::Probability(one.probability),
-            number::fixed(one.share, 3).into(),
-            members.join(", ").into(),
-            Cell::Probability(one.no_member),
-        ]);
-    }
-    section.table(families);
-    let mut energy = Table::new(
-        "Shares of the excess of the squared residual over the noise",
-        [("by", ""), ("part", ""), ("from", ""), ("to", ""), ("share", "")],
+        let [probability, other] = [one.probability, one.no_member].map(Cell::Probability);
+        (&one.title, probability, share(one.share), members.join(", "), other)
+    });
+    section.rows(
+        "Kinds of physics, whatever their form",
+        "kind of physics | probability | share | members | another form",
+        families,
     );
-    let figures = |end: Option<f64>| end.map_or(Cell::Empty, |end| Cell::Number(rounded(end)));
-    for one in &diagnosis.energy {
-        energy.row([
-            one.by.as_str().into(),
-            one.part.clone().into(),
-            figures(one.range.map(|[from, _]| from)),
-            figures(one.range.map(|[_, to]| to)),
-            number::fixed(one.share, 3).into(),
-        ]);
-    }
-    section.table(energy);
-    let mut experiments =
-        Table::new("Recordings that would decide", [("what is done", ""), ("expected log odds", "")]);
-    for one in &diagnosis.experiments {
-        experiments.row([one.what.clone().into(), Cell::Figures(one.log_odds, 2)]);
-    }
-    section.table(experiments);
-    let columns = [("sensor", ""), ("follows", ""), ("how", ""), ("lag", "s"), ("share", "")];
-    let mut unnamed = Table::new("Unidentified structure", columns);
-    for one in &diagnosis.unnamed {
-        unnamed.row([
-            one.sensor.map_or(Cell::Empty, |axis| axis.to_string().into()),
-            one.follows.clone().into(),
-            one.parity.clone().map_or(Cell::Empty, Cell::from),
-            one.lag_s.map_or(Cell::Empty, |lag| Cell::Figures(lag, 2)),
-            number::fixed(one.share, 3).into(),
-        ]);
-    }
-    section.table(unnamed);
-    let columns = [("parameter", ""), ("change", ""), ("stated u", ""), ("unit", ""), ("or", ""), ("p", "")];
-    let mut moved = Table::new("The stated calibration no longer holds", columns);
-    for one in &diagnosis.calibration_moved {
+    let energy = diagnosis.energy.iter().map(|one| {
+        let [from, to] = [0, 1].map(|end| one.range.map(|range| rounded(range[end])));
+        (&one.by, &one.part, from, to, share(one.share))
+    });
+    section.rows(
+        "Shares of the excess of the squared residual over the noise",
+        "by | part | from | to | share",
+        energy,
+    );
+    let experiments = diagnosis.experiments.iter().map(|one| (&one.what, Cell::Figures(one.log_odds, 2)));
+    section.rows("Recordings that would decide", "what is done | expected log odds", experiments);
+    let unnamed = diagnosis
+        .unnamed
+        .iter()
+        .map(|one| (one.sensor, &one.follows, &one.parity, Cell::figures(one.lag_s, 2), share(one.share)));
+    section.rows("Unidentified structure", "sensor | follows | how | lag [s] | share", unnamed);
+    let moved = diagnosis.calibration_moved.iter().map(|one| {
         let (parameter, unit) = key(&one.parameter);
-        moved.row([
-            parameter.into(),
-            (&one.shift).into(),
-            Cell::Figures(one.stated_std, 2),
-            unit.into(),
-            one.alternatives.join(", ").into(),
-            Cell::Probability(one.p_adjusted),
-        ]);
-    }
-    section.table(moved);
-    let mut shifts =
-        Table::new("Changes of the calibration", [("parameter", ""), ("shift", ""), ("unit", "")]);
-    for one in &diagnosis.base_shift {
+        let (stated, p) = (Cell::Figures(one.stated_std, 2), Cell::Probability(one.p_adjusted));
+        (parameter, &one.shift, stated, unit, one.alternatives.join(", "), p)
+    });
+    let headers = "parameter | change | stated u | unit | or | p";
+    section.rows("The stated calibration no longer holds", headers, moved);
+    let shifts = diagnosis.base_shift.iter().map(|one| {
         let (parameter, unit) = key(&one.parameter);
-        shifts.row([parameter.into(), (&one.shift).into(), unit.into()]);
-    }
-    section.table(shifts);
+        (parameter, &one.shift, unit)
+    });
+    section.rows("Changes of the calibration", "parameter | shift | unit", shifts);
     let mut detectable = Table::new(
         "Smallest effect that these recordings would show with a probability of 90 %",
-        [("effect", ""), ("of", ""), ("parameter", ""), ("smallest", ""), ("unit", ""), ("visible", "")],
+        "effect | of | parameter | smallest | unit | visible",
     );
     for one in &diagnosis.detectable {
+        let (effect, visible) = (one.effect.replace('_', " "), share(one.visible_fraction));
         for (name, size) in &one.smallest {
             let (name, unit) = key(name);
-            detectable.row([
-                one.effect.replace('_', " ").into(),
-                one.target.clone().into(),
-                name.into(),
-                Cell::Figures(*size, 2),
-                unit.into(),
-                number::fixed(one.visible_fraction, 3).into(),
-            ]);
+            detectable.row((&effect, &one.target, name, Cell::Figures(*size, 2), unit, &visible));
         }
     }
     section.table(detectable);

@@ -3,31 +3,19 @@
 mod answer;
 mod axes;
 mod axes_map;
-mod clock;
 mod coils;
-mod corrected;
-mod cross_field;
-mod departures;
+mod conditions;
 mod diagnosis;
-mod difference;
 mod differential;
-mod differential_matrix;
-mod drift;
 mod effects;
-mod fourteen;
-mod gradient;
-mod history;
 mod instruments;
-mod model;
 mod noise;
-mod nulling;
 mod recordings;
 mod residuals;
 mod scalar;
 mod sensors;
+mod shared;
 mod stated;
-mod temperature;
-mod temperature_loops;
 
 use common::Document;
 use page::words;
@@ -42,21 +30,21 @@ type Part = fn(&Document) -> Option<Section>;
 const PARTS: [Part; 17] = [
     stated::section,
     coils::section,
-    gradient::section,
-    nulling::section,
+    coils::gradients,
+    noise::nulling,
     sensors::section,
     noise::section,
-    drift::section,
-    temperature::section,
-    cross_field::section,
+    sensors::drift,
+    conditions::temperature,
+    conditions::cross_field,
     axes::section,
     scalar::section,
     differential::section,
     diagnosis::section,
-    model::section,
-    corrected::section,
+    stated::model,
+    recordings::corrected,
     recordings::section,
-    history::section,
+    stated::history,
 ];
 
 /// The page of a document whose text has this hash, the statement of conformity first.
@@ -77,14 +65,11 @@ pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&st
 const FIRST: usize = 8;
 
 /// All findings in one list, by what they do to the result.
-fn ranked(sections: &[Section]) -> Option<Section> {
-    let mut all: Vec<(&Finding, &str)> = sections
-        .iter()
-        .flat_map(|section| section.warnings.iter().map(|finding| (finding, section.title.as_str())))
-        .collect();
+fn ranked<'a>(sections: &'a [Section]) -> Option<Section> {
+    let of = |section: &'a Section| section.warnings.iter().map(|finding| (finding, &section.title));
+    let mut all: Vec<(&Finding, &String)> = sections.iter().flat_map(of).collect();
     Finding::sort(&mut all, |(finding, _)| finding);
-    let table =
-        |caption| Table::new(caption, [("changes the result by", ""), ("finding", ""), ("where", "")]);
+    let table = |caption| Table::new(caption, "changes the result by | finding | where");
     let (mut first, mut others) =
         (table("Findings, largest change of the result first"), table("The others"));
     for (place, (finding, title)) in all.into_iter().enumerate() {
@@ -96,7 +81,7 @@ fn ranked(sections: &[Section]) -> Option<Section> {
             Effect::Std(size) => format!("{} standard uncertainties", figures(size)),
             Effect::Unstated(reason) => format!("– ({reason})"),
         };
-        table.row([effect.into(), finding.words.replace('`', "").into(), title.into()]);
+        table.row((effect, finding.words.replace('`', ""), title));
     }
     let mut section = Section::new("findings", "What stands out");
     section.table(first);
@@ -113,12 +98,8 @@ fn ranked(sections: &[Section]) -> Option<Section> {
 
 /// What the stages found striking, a sentence each.
 pub fn findings(document: &Document) -> Vec<String> {
-    PARTS
-        .iter()
-        .filter_map(|part| part(document))
-        .flat_map(|section| section.warnings)
-        .map(|finding| finding.words)
-        .collect()
+    let warnings = PARTS.iter().filter_map(|part| part(document)).flat_map(|section| section.warnings);
+    warnings.map(|finding| finding.words).collect()
 }
 
 fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {

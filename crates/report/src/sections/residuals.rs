@@ -1,11 +1,12 @@
-//! Residuals before and after, against time and what they may follow.
+//! Residuals before and after, against time and what they may follow; the difference of two magnetometers
+//! likewise, and what adds to it.
 
-use common::ResidualSeries;
+use common::{Axis, ContributionCause, DifferentialFit, PerAxis, ResidualSeries};
 use page::words::{key, slug};
 
-use super::clock::Clock;
-use crate::number;
+use super::shared::Clock;
 use crate::plot::{Dimension, Mark, Plot, Series};
+use crate::{Cell, Section, number};
 
 /// Where what is left spans less than this share of what there was, it also has a plot of its own.
 const FLAT: f64 = 0.4;
@@ -38,23 +39,79 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
         let id = format!("{}-{}{id}", names.id, slug(&series.along));
         let (x, y) =
             (Dimension::linear(along.clone(), unit.clone()), Dimension::linear(names.residual, "nT"));
-        Plot::new(id, title, x, y).note(format!("{points} {note}").trim_end())
+        Plot::new(id, title).axes(x, y).note(format!("{points} {note}").trim_end())
     };
     let [before, after, fitted] = names.legend;
-    let left = Series::new(after, Mark::Points, 0, &x, &series.after_nt);
+    let left = Series::points(after, 0, &x, &series.after_nt);
     let title = format!("{} against {along}", names.title);
-    let mut both = plot("", title.clone());
-    both.push(Series::new(before, Mark::Points, 1, &x, &series.before_nt));
-    both.push(left.clone());
-    both.push(Series::new(fitted, Mark::Dashes, 5, &x, &series.fitted_nt));
-    let span = |values: &[f64]| number::ends(values.iter().copied()).map_or(0.0, |[low, high]| high - low);
+    let both = plot("", title.clone())
+        .with(Series::points(before, 1, &x, &series.before_nt))
+        .with(left.clone())
+        .with(Series::new(fitted, Mark::Dashes, 5, &x, &series.fitted_nt));
     let mut plots = vec![both];
+    let span = |values: &[f64]| number::span(values.iter().copied());
     if span(&series.after_nt) < FLAT * span(&series.before_nt) {
-        let mut alone = plot("-left", format!("{title}: {after}"));
-        alone.push(left);
-        plots.push(alone);
+        plots.push(plot("-left", format!("{title}: {after}")).with(left));
     }
     plots
+}
+
+/// Plots against time, the field's rate of change and each housekeeping column, the axes side by side.
+pub fn draw(section: &mut Section, fit: &DifferentialFit) {
+    let mut along: Vec<&str> = Vec::new();
+    for series in &fit.series {
+        if !along.contains(&series.along.as_str()) {
+            along.push(&series.along);
+        }
+    }
+    for along in along {
+        let of = |axis: Axis| -> Vec<Plot> {
+            let column = format!("test_{axis}_nt");
+            let own = fit.series.iter().filter(|series| series.along == along && series.column == column);
+            own.flat_map(|series| one(axis, series)).collect()
+        };
+        section.plots_side_by_side(Axis::ALL.into_iter().map(of).collect());
+    }
+}
+
+fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
+    let (legend, note) = match series.along.as_str() {
+        "time_s" => (["offsets removed: T − R", "left: T − R η − d", "fitted"], "Both less their means."),
+        "field_rate_nt_per_s" => (
+            ["with the clocks' difference", "without it", "the clocks' difference"],
+            "The rate of change is that of the field along the test axis; a clock that is late by δ shows as −δ times it.",
+        ),
+        _ => (
+            ["the drift left in", "left: T − R η − d", "fitted"],
+            "What follows the column is not taken off.",
+        ),
+    };
+    let title = format!("Difference along test axis {axis}");
+    plots(&Names { id: format!("difference-{axis}"), title, residual: "difference", legend }, series, note)
+}
+
+/// What adds to the difference, the largest first, with the rms with it and without.
+pub fn contributions(section: &mut Section, fit: &DifferentialFit) {
+    let contributions = fit.contributions.iter().map(|one| {
+        let rms = |of: &PerAxis<f64>, axis| Cell::figures(of.get(axis).copied(), 3);
+        let both = |axis| [rms(&one.rms_with_nt, axis), rms(&one.rms_without_nt, axis)];
+        let [[a, b], [c, d], [e, f]] = Axis::ALL.map(both);
+        let cause = match one.cause {
+            ContributionCause::Clock => "difference of the clocks",
+            ContributionCause::Steps => "steps",
+            ContributionCause::Disturbances => "spikes and disturbed intervals",
+            ContributionCause::Drift => "drift",
+            ContributionCause::ShortPeriods => "periods excluded from the matrix",
+            ContributionCause::Column => "what follows",
+        };
+        let what = one.column.as_ref().map_or(cause.to_string(), |column| format!("{cause} {column}"));
+        (what, one.taken_off, a, b, c, d, e, f)
+    });
+    section.rows(
+        "Contributions to the difference: rms with and without each, all else equal",
+        "what | taken off | x with [nT] | x without [nT] | y with [nT] | y without [nT] | z with [nT] | z without [nT]",
+        contributions,
+    );
 }
 
 #[cfg(test)]

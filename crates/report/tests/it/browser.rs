@@ -26,35 +26,7 @@ const CASES: [&str; 8] = [
 const WIDTHS: [u32; 2] = [1280, 390];
 
 /// Looks at the page and tells the page around it what is wrong, and how many plots there are.
-const CHECK: &str = r#"<script>
-const wrong = [];
-const root = document.documentElement;
-if (root.scrollWidth > window.innerWidth) wrong.push("the page is " + root.scrollWidth + " wide in " + window.innerWidth);
-const overlap = (a, b) => a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
-const drawings = document.querySelectorAll("figure > svg");
-for (const drawing of drawings) {
-  const id = drawing.parentElement.id;
-  const box = drawing.getBoundingClientRect();
-  const marks = [...drawing.querySelectorAll(".points, .line, .dashes")].map(mark => mark.getBoundingClientRect());
-  if (!marks.some(mark => mark.width > 0 && mark.height > 0)) wrong.push(id + ": nothing is drawn");
-  const texts = [...drawing.querySelectorAll("text")];
-  const places = texts.map(text => text.getBoundingClientRect());
-  places.forEach((place, i) => {
-    if (place.left < box.left - 1 || place.right > box.right + 1 || place.bottom > box.bottom + 1 || place.top < box.top - 1)
-      wrong.push(id + ": \"" + texts[i].textContent + "\" hangs out");
-    if (place.height < 10) wrong.push(id + ": \"" + texts[i].textContent + "\" is " + place.height + " px high");
-    for (let j = 0; j < i; j++)
-      if (overlap(place, places[j])) wrong.push(id + ": \"" + texts[i].textContent + "\" over \"" + texts[j].textContent + "\"");
-  });
-}
-for (const item of document.querySelectorAll(".legend li"))
-  if (item.getBoundingClientRect().right > item.closest("figure").getBoundingClientRect().right + 1)
-    wrong.push(item.closest("figure").id + ": the legend hangs out");
-const paper = getComputedStyle(document.body).backgroundColor.match(/\d+/g).map(Number);
-const theme = paper[0] + paper[1] + paper[2] > 380 ? "light" : "dark";
-const page = location.pathname.split("/").pop();
-parent.postMessage({ page, width: window.innerWidth, theme, drawings: drawings.length, wrong }, "*");
-</script></body>"#;
+const CHECK: &str = include_str!("browser.html");
 
 /// What one page told.
 #[derive(Deserialize)]
@@ -77,8 +49,8 @@ fn pages_in_a_browser() {
     for (number, text) in texts.enumerate() {
         let document = Document::parse(&text).expect("a document");
         let page = html::render(&report::run(&document, &options).expect("a page"));
-        let name =
-            CASES.get(number).map_or("empty.html".into(), |case| format!("{}.html", case.replace('/', "-")));
+        let name = CASES.get(number).map_or("empty", |case| case);
+        let name = format!("{}.html", name.replace('/', "-"));
         fs::write(folder.path().join(&name), page.replace("</body>", CHECK)).expect("written");
         drawings.insert(name, page.matches("<figure").count());
     }

@@ -11,15 +11,9 @@ fn campaign(seed: u64) -> (Document, Value) {
     let mut plan: Value = serde_json::from_str(&testkit::read_fixture("plans/magsat.json")).expect("JSON");
     plan["seed"] = seed.into();
     let procedures = plan["procedures"].as_array_mut().expect("a list");
-    let needed = [
-        "coil_constant",
-        "sensor_sensitivity",
-        "sensor_noise",
-        "offset_drift",
-        "temperature_run",
-        "axes_orientation",
-    ];
-    procedures.retain(|procedure| procedure["procedure"].as_str().is_some_and(|name| needed.contains(&name)));
+    let needed =
+        "coil_constant sensor_sensitivity sensor_noise offset_drift temperature_run axes_orientation";
+    procedures.retain(|procedure| needed.split(' ').any(|needed| procedure["procedure"] == needed));
     let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
     let simulate::Campaign { document, truth, .. } = simulate::campaign(&plan).expect("simulated");
     (document, serde_json::to_value(truth).expect("JSON"))
@@ -38,9 +32,8 @@ fn true_of(found: &Document, truth: &Value) -> Document {
     let effects = truth["model"]["effects"].as_array().expect("effects");
     for axis in ["x", "y", "z"] {
         let of = |name: &str, parameter: &str| {
-            let mut own =
-                effects.iter().filter(|effect| effect["effect"] == name && effect["sensor"] == axis);
-            own.next().map_or(json!(0.0), |effect| effect["parameters"][parameter].clone())
+            let own = effects.iter().find(|effect| effect["effect"] == name && effect["sensor"] == axis);
+            own.map_or(json!(0.0), |effect| effect["parameters"][parameter].clone())
         };
         let sensor = &mut document["calibration"]["sensors"][axis];
         for (part, sensitivity, offset) in [

@@ -11,31 +11,37 @@ use std::process::Command;
 
 const REPORT: &str = env!("CARGO_BIN_EXE_report");
 
+fn json_of(fixture: &str) -> Value {
+    serde_json::from_str(&testkit::read_fixture(fixture)).expect("JSON")
+}
+
 fn calibrated() -> Value {
-    serde_json::from_str(&testkit::read_fixture("specs/calibrated/input.json")).expect("JSON")
+    json_of("specs/calibrated/input.json")
 }
 
 fn magsat() -> Value {
-    serde_json::from_str(&testkit::read_fixture("specs/magsat.json")).expect("JSON")
+    json_of("specs/magsat.json")
 }
 
-fn document(value: &Value) -> Document {
-    Document::parse(&value.to_string()).expect("a document")
+/// What a document shows of each requirement of a specification.
+fn judged(document: &Value, spec: &Value) -> Vec<Judged<'static>> {
+    let document = Document::parse(&document.to_string()).expect("a document");
+    let spec = Spec::parse(&spec.to_string()).expect("a specification");
+    conformity::judge(&document, Box::leak(spec.into())).expect("judged")
 }
 
-fn spec(value: &Value) -> Spec {
-    Spec::parse(&value.to_string()).expect("a specification")
-}
-
-/// One requirement as a specification.
-fn only(requirement: Value) -> Spec {
-    let mut requirement = requirement;
+/// What a document shows of one requirement.
+fn one(document: &Value, mut requirement: Value) -> Judged<'static> {
     requirement["title"] = "a requirement".into();
-    spec(&json!({"fluxcal": 1, "title": "one", "requirements": [requirement]}))
+    judged(document, &json!({"fluxcal": 1, "title": "one", "requirements": [requirement]})).swap_remove(0)
 }
 
-fn judged<'a>(document: &Document, spec: &'a Spec) -> Vec<Judged<'a>> {
-    conformity::judge(document, spec).expect("judged")
+/// Adds an effect of each sensor to the model.
+fn add_effect(document: &mut Value, effect: &str, parameters: &Value) {
+    for axis in ["x", "y", "z"] {
+        let effect = json!({"effect": effect, "sensor": axis, "parameters": parameters});
+        document["model"]["effects"].as_array_mut().expect("a list").push(effect);
+    }
 }
 
 fn found(shown: &Shown) -> &ShownValue {
@@ -50,48 +56,37 @@ fn near(value: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn values_and_uncertainties_are_those_of_draws_in_numpy() {
-    let reference: Value =
-        serde_json::from_str(&testkit::read_fixture("reference/certificate.json")).expect("JSON");
-    let (document, spec) = (document(&calibrated()), spec(&magsat()));
-    let all = judged(&document, &spec);
-    let of = |kind: RequirementKind, years: bool| {
-        let one =
-            all.iter().find(|one| one.requirement.kind == kind && one.requirement.years.is_some() == years);
-        one.expect("a requirement").shown.iter().map(found).collect::<Vec<_>>()
-    };
-    let pairs = |key: &str, found: Vec<&ShownValue>, of_value: f64, of_std: f64| {
+    let reference = json_of("reference/certificate.json");
+    let all = judged(&calibrated(), &magsat());
+    let pairs = |key: &str, kind: RequirementKind, years: bool| {
+        let is = |one: &&Judged<'_>| one.requirement.kind == kind && one.requirement.years.is_some() == years;
+        let shown = &all.iter().find(is).expect("a requirement").shown;
         let expected = reference["calibrated"][key].as_array().expect("a list");
-        assert_eq!(expected.len(), found.len(), "{key}");
-        for (expected, found) in expected.iter().zip(found) {
-            let number = |key: &str| expected[key].as_f64().expect("a number");
-            println!(
-                "{key}, {}: {:.5} ± {:.5}; by draws {:.5} ± {:.5}",
-                found.of,
-                found.value.abs(),
-                found.std,
-                number("value"),
-                number("std")
-            );
-            near(found.value.abs(), number("value"), of_value);
-            near(found.std, number("std"), of_std);
-        }
+        assert_eq!(expected.len(), shown.len(), "{key}");
+        let pair = |(expected, shown): (&Value, &Shown)| {
+            let [value, std] = ["value", "std"].map(|key| expected[key].as_f64().expect("a number"));
+            let found = found(shown);
+            println!("{key}: {:.5} ± {:.5}; by draws {value:.5} ± {std:.5}", found.value.abs(), found.std);
+            [[found.value.abs(), value], [found.std, std]]
+        };
+        expected.iter().zip(shown).map(pair).collect::<Vec<_>>()
     };
     // The spread of 20 000 draws is known to 0.5 %; the largest of the two ways to turn is a little high in
     // draws.
-    pairs("orthogonality_deg", of(RequirementKind::OrthogonalityDeg, false), 1e-9, 0.015);
-    pairs("axes_arcsec", of(RequirementKind::AxesArcsec, false), 0.015, 0.015);
-    pairs("offset_over_temperature_nt", of(RequirementKind::OffsetStabilityNt, false), 1e-4, 0.015);
-    pairs("offset_over_year_nt", of(RequirementKind::OffsetStabilityNt, true), 1e-9, 1e-9);
-    for (expected, found) in reference["calibrated"]["absolute_accuracy_nt"]
-        .as_array()
-        .expect("a list")
-        .iter()
-        .zip(of(RequirementKind::AbsoluteAccuracyNt, true))
-    {
-        // The worst of 157 places is not quite the worst of 2 006.
-        let number = |key: &str| expected[key].as_f64().expect("a number");
-        let (size, by_draws) = (found.value.abs() + 1.96 * found.std, number("value") + 1.96 * number("std"));
-        println!("accuracy, {}: {size:.4}; by draws {by_draws:.4}", found.of);
+    for (key, kind, years, of_value, of_std) in [
+        ("orthogonality_deg", RequirementKind::OrthogonalityDeg, false, 1e-9, 0.015),
+        ("axes_arcsec", RequirementKind::AxesArcsec, false, 0.015, 0.015),
+        ("offset_over_temperature_nt", RequirementKind::OffsetStabilityNt, false, 1e-4, 0.015),
+        ("offset_over_year_nt", RequirementKind::OffsetStabilityNt, true, 1e-9, 1e-9),
+    ] {
+        for [[value, value_by_draws], [std, std_by_draws]] in pairs(key, kind, years) {
+            near(value, value_by_draws, of_value);
+            near(std, std_by_draws, of_std);
+        }
+    }
+    // The worst of 157 places is not quite the worst of 2 006.
+    for [values, stds] in pairs("absolute_accuracy_nt", RequirementKind::AbsoluteAccuracyNt, true) {
+        let [size, by_draws] = [0, 1].map(|of| values[of] + 1.96 * stds[of]);
         assert!((0.99..1.02).contains(&(size / by_draws)), "{size} beside {by_draws}");
     }
 }
@@ -100,11 +95,10 @@ fn values_and_uncertainties_are_those_of_draws_in_numpy() {
 fn orthogonality_is_what_axescal_found() {
     let input = calibrated();
     let by_axescal = &input["calibration"]["axes"]["sensors"]["non_orthogonality_arcsec"];
-    let spec = only(json!({"kind": "orthogonality_deg", "limit": 0.1}));
-    let document = document(&input);
+    let one = one(&input, json!({"kind": "orthogonality_deg", "limit": 0.1}));
     // The same 95 % interval under the normal distribution.
     let factor = input["calibration"]["axes"]["fit"]["coverage_factor_95"].as_f64().expect("a factor");
-    for (pair, shown) in ["xy", "yz", "xz"].iter().zip(&judged(&document, &spec)[0].shown) {
+    for (pair, shown) in ["xy", "yz", "xz"].iter().zip(&one.shown) {
         let number = |key: &str| by_axescal[pair][key].as_f64().expect("a number");
         near(found(shown).value * 3600.0, number("value"), 1e-9);
         near(found(shown).std * 3600.0, number("std") * factor / 1.959_963_984_540_054, 1e-6);
@@ -116,14 +110,12 @@ fn orthogonality_is_what_axescal_found() {
 fn turned_since_the_nominal_directions_were_found() {
     let turned = (3.0f64 / 3600.0).to_radians();
     let matrix = json!([[turned.cos(), 0.0, 0.0], [turned.sin(), 1.0, 0.0], [0.0, 0.0, 1.0]]);
-    let document = document(
-        &json!({"fluxcal": 1, "calibration": {"axes": {"sensors": {"matrix": matrix, "std_arcsec": 0.3}}}}),
-    );
+    let document =
+        json!({"fluxcal": 1, "calibration": {"axes": {"sensors": {"matrix": matrix, "std_arcsec": 0.3}}}});
     let with = |limit: f64| {
-        let spec =
-            only(json!({"kind": "axes_from_nominal_arcsec", "limit": limit, "nominal_std_arcsec": 0.4,
-                "nominal_matrix": [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]]}));
-        let one = &judged(&document, &spec)[0];
+        let requirement = json!({"kind": "axes_from_nominal_arcsec", "limit": limit, "nominal_std_arcsec": 0.4,
+            "nominal_matrix": [[2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 2.0]]});
+        let one = one(&document, requirement);
         assert_eq!(one.decisive, Some(0));
         near(found(&one.shown[0]).value, 3.0, 1e-6);
         near(found(&one.shown[0]).std, 0.5, 1e-9);
@@ -139,18 +131,13 @@ fn turned_since_the_nominal_directions_were_found() {
 /// 0.06″/K and 0.08″/K over 30 K are 3″; their uncertainties of 0.01 and 0.02″/K make 0.6″.
 #[test]
 fn turned_by_temperature() {
-    let effect = |axis: &str| {
-        json!({"effect": "axis_temperature", "sensor": axis, "parameters": {
-            "first_arcsec_per_k": {"value": 0.06, "std": 0.01}, "second_arcsec_per_k": {"value": -0.08, "std": 0.02}}})
-    };
-    let document = document(
-        &json!({"fluxcal": 1, "calibration": {"reference_conditions": {"sensor_temperature_c": 20.0}},
-        "model": {"effects": [effect("x"), effect("y"), effect("z")]}}),
-    );
-    let spec = only(
-        json!({"kind": "axes_over_temperature_arcsec", "limit": 5.0, "sensor_temperature_c": [-10.0, 40.0]}),
-    );
-    let one = &judged(&document, &spec)[0];
+    let mut document = json!({"fluxcal": 1, "model": {"effects": []},
+        "calibration": {"reference_conditions": {"sensor_temperature_c": 20.0}}});
+    let turn = json!({"first_arcsec_per_k": {"value": 0.06, "std": 0.01}, "second_arcsec_per_k": {"value": -0.08, "std": 0.02}});
+    add_effect(&mut document, "axis_temperature", &turn);
+    let requirement =
+        json!({"kind": "axes_over_temperature_arcsec", "limit": 5.0, "sensor_temperature_c": [-10.0, 40.0]});
+    let one = one(&document, requirement);
     near(found(&one.shown[2]).value, 3.0, 1e-12);
     near(found(&one.shown[2]).std, 0.6, 1e-12);
     assert_eq!(one.verdict, Verdict::Pass);
@@ -161,23 +148,16 @@ fn turned_by_temperature() {
 #[test]
 fn bandwidth_by_its_lag_and_a_range_by_its_end() {
     let mut input = calibrated();
-    for axis in ["x", "y", "z"] {
-        let lag = json!({"effect": "loop_bandwidth", "sensor": axis, "parameters": {"lag_s": {"value": 0.004, "std": 0.0001}}});
-        input["model"]["effects"].as_array_mut().expect("a list").push(lag);
-    }
+    add_effect(&mut input, "loop_bandwidth", &json!({"lag_s": {"value": 0.004, "std": 0.0001}}));
     input["calibration"]["sensors"]["y"]["sensitivity"]["saturation"] =
         json!({"readings": [null, 9.4], "fields_nt": [null, 60000.0], "count": 5});
-    let document = document(&input);
-    let bandwidth = only(json!({"kind": "bandwidth_hz", "limit": 25.0}));
-    let one = &judged(&document, &bandwidth)[0];
-    near(found(&one.shown[0]).value, 39.788_735_773, 1e-11);
-    near(found(&one.shown[0]).std, 0.994_718_394_324, 1e-12);
-    assert_eq!(one.verdict, Verdict::Pass);
+    let bandwidth = one(&input, json!({"kind": "bandwidth_hz", "limit": 25.0}));
+    near(found(&bandwidth.shown[0]).value, 39.788_735_773, 1e-11);
+    near(found(&bandwidth.shown[0]).std, 0.994_718_394_324, 1e-12);
+    assert_eq!(bandwidth.verdict, Verdict::Pass);
     let of = |limit: f64| {
-        let spec = only(json!({"kind": "range_nt", "limit": limit}));
-        let one = &judged(&document, &spec)[0];
-        let decisive = found(&one.shown[one.decisive.expect("one")]);
-        (one.verdict, decisive.of.clone())
+        let one = one(&input, json!({"kind": "range_nt", "limit": limit}));
+        (one.verdict, found(&one.shown[one.decisive.expect("one")]).of.clone())
     };
     assert_eq!(of(64000.0), (Verdict::Fail, "sensor y above zero".into()));
     // Below zero it was seen to follow to −50 025 nT, and no farther.
@@ -187,62 +167,51 @@ fn bandwidth_by_its_lag_and_a_range_by_its_end() {
 
 #[test]
 fn accuracy_is_shown_where_the_calibration_covers_all_that_is_asked() {
-    let asked = |range: f64, limit: f64| {
-        only(json!({"kind": "absolute_accuracy_nt", "limit": limit, "range_nt": range, "years": 1.0,
-            "sensor_temperature_c": "calibrated", "electronics_temperature_c": [0.0, 50.0]}))
+    let with = |input: &Value, range: f64| {
+        let requirement = json!({"kind": "absolute_accuracy_nt", "limit": 5.0, "range_nt": range, "years": 1.0,
+            "sensor_temperature_c": "calibrated", "electronics_temperature_c": [0.0, 50.0]});
+        one(input, requirement)
     };
     let mut input = calibrated();
-    let covered = asked(50000.0, 5.0);
-    let lacking = document(&input);
-    assert_eq!(judged(&lacking, &covered)[0].verdict, Verdict::NotShown);
-    for axis in ["x", "y", "z"] {
-        let parameters = json!({"first_arcsec_per_k": {"value": 0.01, "std": 0.005}, "second_arcsec_per_k": {"value": 0.0, "std": 0.005}});
-        let turn = json!({"effect": "axis_temperature", "sensor": axis, "parameters": parameters});
-        input["model"]["effects"].as_array_mut().expect("a list").push(turn);
-    }
-    let whole = document(&input);
-    assert_eq!(judged(&whole, &covered)[0].verdict, Verdict::Pass);
-    assert_eq!(judged(&whole, &asked(64000.0, 5.0))[0].verdict, Verdict::NotShown);
+    assert_eq!(with(&input, 50000.0).verdict, Verdict::NotShown);
+    let turn = json!({"first_arcsec_per_k": {"value": 0.01, "std": 0.005}, "second_arcsec_per_k": {"value": 0.0, "std": 0.005}});
+    add_effect(&mut input, "axis_temperature", &turn);
+    assert_eq!(with(&input, 50000.0).verdict, Verdict::Pass);
+    assert_eq!(with(&input, 64000.0).verdict, Verdict::NotShown);
     // A known drift of 20 nT in a year is more than any uncertainty: that fails.
     for axis in ["x", "y", "z"] {
         input["calibration"]["sensors"][axis]["drift"]["trend_nt_per_year"] =
             json!({"value": 20.0, "std": 0.1});
     }
-    assert_eq!(judged(&document(&input), &covered)[0].verdict, Verdict::Fail);
+    assert_eq!(with(&input, 50000.0).verdict, Verdict::Fail);
     // What the budget has no term for is named.
-    let effect = json!({"effect": "warm_up", "sensor": "y", "parameters": {"amplitude_nt": 1.0, "time_constant_s": 600.0}});
     let mut other = calibrated();
-    other["model"]["effects"].as_array_mut().expect("a list").push(effect);
-    let other = document(&other);
-    let all = judged(&other, &covered);
-    let gaps = &found(&all[0].shown[0]).gaps;
+    let warm_up = json!({"effect": "warm_up", "sensor": "y", "parameters": {"amplitude_nt": 1.0, "time_constant_s": 600.0}});
+    other["model"]["effects"].as_array_mut().expect("a list").push(warm_up);
+    let one = with(&other, 50000.0);
+    let gaps = &found(&one.shown[0]).gaps;
     assert!(gaps.iter().any(|gap| gap.contains("sensor y") && gap.contains("warm_up")), "{gaps:?}");
 }
 
 /// Constants that are stated without their recordings give a figure over the whole range, and no pass.
 #[test]
 fn a_stated_calibration_passes_no_accuracy() {
-    let text = testkit::read_fixture("axescal/magsat/expected.json");
-    let document = Document::parse(&text).expect("a document");
-    let spec = only(json!({"kind": "absolute_accuracy_nt", "limit": 5.0, "range_nt": 64000.0}));
-    let one = &judged(&document, &spec)[0];
+    let requirement = json!({"kind": "absolute_accuracy_nt", "limit": 5.0, "range_nt": 64000.0});
+    let one = one(&json_of("axescal/magsat/expected.json"), requirement);
     assert_eq!(one.verdict, Verdict::NotShown);
     // 1.36″ in 64 000 nT across are 0.42 nT; axes that are 5.8° off a right angle make it a little more.
     let largest = one.shown.iter().map(|shown| found(shown).std).fold(0.0, f64::max);
     assert!((0.42..0.60).contains(&largest), "{largest}");
-    assert!(
-        found(&one.shown[0]).gaps.iter().any(|gap| gap.contains("its calibrated range of fields is unknown"))
-    );
+    let gaps = &found(&one.shown[0]).gaps;
+    assert!(gaps.iter().any(|gap| gap.contains("its calibrated range of fields is unknown")), "{gaps:?}");
 }
 
 /// A document with nothing in it shows nothing, and says for each requirement what would.
 #[test]
 fn nothing_is_shown_of_an_empty_document() {
-    let (document, spec) = (Document { fluxcal: 1, ..Document::default() }, spec(&magsat()));
-    for one in judged(&document, &spec) {
+    for one in judged(&json!({"fluxcal": 1}), &magsat()) {
         assert_eq!((one.verdict, one.decisive), (Verdict::NotShown, None), "{:?}", one.requirement.kind);
-        assert!(!one.shown.is_empty());
-        assert!(one.shown.iter().all(Result::is_err));
+        assert!(!one.shown.is_empty() && one.shown.iter().all(Result::is_err));
     }
 }
 
@@ -250,17 +219,15 @@ fn nothing_is_shown_of_an_empty_document() {
 /// to not shown.
 #[test]
 fn what_is_taken_away_is_not_shown() {
-    let cases = [
+    for (part, kind) in [
         ("noise", "noise_zero_to_peak_nt"),
         ("drift", "offset_stability_nt"),
         ("temperature", "offset_stability_nt"),
         ("sensitivity", "range_nt"),
-    ];
-    for (part, kind) in cases {
+    ] {
         let mut input = calibrated();
         input["calibration"]["sensors"]["y"].as_object_mut().expect("an object").remove(part);
-        let (document, spec) = (document(&input), spec(&magsat()));
-        for one in judged(&document, &spec).iter().filter(|one| one.requirement.kind.name() == kind) {
+        for one in judged(&input, &magsat()).iter().filter(|one| one.requirement.kind.name() == kind) {
             let years = one.requirement.years.is_some();
             if kind == "offset_stability_nt" && years != (part == "drift") {
                 continue;
@@ -271,10 +238,9 @@ fn what_is_taken_away_is_not_shown() {
     }
     let mut input = calibrated();
     input["calibration"]["sensors"]["y"]["temperature"]["electronics"] = Value::Null;
-    let lacking = document(&input);
-    let spec =
-        only(json!({"kind": "offset_stability_nt", "limit": 9.0, "electronics_temperature_c": [0.0, 40.0]}));
-    assert_eq!(judged(&lacking, &spec)[0].verdict, Verdict::NotShown);
+    let requirement =
+        json!({"kind": "offset_stability_nt", "limit": 9.0, "electronics_temperature_c": [0.0, 40.0]});
+    assert_eq!(one(&input, requirement).verdict, Verdict::NotShown);
 }
 
 /// A value without an uncertainty decides nothing; a sensor that the instrument does not have is not asked
@@ -283,13 +249,12 @@ fn what_is_taken_away_is_not_shown() {
 fn without_uncertainty_nothing_is_shown() {
     let lag = json!({"effect": "loop_bandwidth", "sensor": "x", "parameters": {"lag_s": 0.004}});
     let mut input = json!({"fluxcal": 1, "instrument": {"sensors": ["x"]}, "model": {"effects": [lag]}});
-    let spec = only(json!({"kind": "bandwidth_hz", "limit": 25.0}));
-    let bare = document(&input);
-    let one = &judged(&bare, &spec)[0];
-    assert_eq!((one.verdict, one.shown.len()), (Verdict::NotShown, 1));
-    assert!(one.shown[0].as_ref().expect_err("no uncertainty").why.contains("no uncertainty"));
+    let requirement = json!({"kind": "bandwidth_hz", "limit": 25.0});
+    let bare = one(&input, requirement.clone());
+    assert_eq!((bare.verdict, bare.shown.len()), (Verdict::NotShown, 1));
+    assert!(bare.shown[0].as_ref().expect_err("no uncertainty").why.contains("no uncertainty"));
     input["model"]["effects"][0]["parameters"]["lag_s"] = json!({"value": 0.004, "std": 0.0001});
-    assert_eq!(judged(&document(&input), &spec)[0].verdict, Verdict::Pass);
+    assert_eq!(one(&input, requirement).verdict, Verdict::Pass);
 }
 
 #[test]
@@ -307,9 +272,10 @@ fn a_covariance_that_does_not_go_with_its_order_is_refused() {
 /// kept.
 #[test]
 fn golden() {
-    let input = testkit::read_fixture("specs/calibrated/input.json");
-    let document = Document::parse(&input).expect("a document");
-    let section = conformity::section(&document, &spec(&magsat())).expect("a statement");
+    let document =
+        Document::parse(&testkit::read_fixture("specs/calibrated/input.json")).expect("a document");
+    let spec = Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification");
+    let section = conformity::section(&document, &spec).expect("a statement");
     let page = Page { title: "Golden".into(), sections: vec![section], ..Page::default() };
     let text = text::render(&page);
     let file = testkit::fixture("specs/calibrated/expected.txt");
@@ -324,45 +290,37 @@ fn golden() {
 #[test]
 fn each_fault_of_a_specification_has_its_message() {
     let folder = testkit::fixture("specs/bad");
-    let mut names: Vec<String> = fs::read_dir(&folder)
-        .expect("a folder")
-        .map(|entry| entry.expect("an entry").file_name().into_string().expect("UTF-8"))
-        .filter(|name| name.ends_with(".json"))
-        .collect();
+    let entries = fs::read_dir(&folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+    let names = entries.map(|name| name.into_string().expect("UTF-8"));
+    let mut names: Vec<String> = names.filter(|name| name.ends_with(".json")).collect();
     names.sort();
     assert!(names.len() >= 20);
     for name in names {
-        let run = Command::new(REPORT)
-            .args(["--spec", &name, "../calibrated/input.json"])
-            .current_dir(&folder)
-            .output()
-            .expect("report");
-        let said = String::from_utf8(run.stderr).expect("UTF-8");
+        let run = testkit::run_in(REPORT, &folder, &["--spec", &name, "../calibrated/input.json"]);
         let file = folder.join(name.replace(".json", ".txt"));
         if testkit::bless() {
-            fs::write(&file, &said).expect("written");
+            fs::write(&file, &run.stderr).expect("written");
         }
-        assert_eq!(said, fs::read_to_string(&file).unwrap_or_default(), "{name}");
-        assert!(run.stdout.is_empty(), "{name}");
-        assert_eq!(run.status.code(), Some(2), "{name}");
+        assert_eq!(run.stderr, fs::read_to_string(&file).unwrap_or_default(), "{name}");
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{name}");
     }
 }
 
 /// Whatever the verdicts, the exit code is 0; the words count them, and no verdict stands in a colour alone.
 #[test]
 fn a_statement_by_the_program() {
-    let folder = testkit::fixture("specs");
-    let run = |arguments: &[&str]| {
-        let output = Command::new(REPORT).args(arguments).current_dir(&folder).output().expect("report");
-        assert_eq!(output.status.code(), Some(0));
-        (String::from_utf8(output.stdout).expect("UTF-8"), String::from_utf8(output.stderr).expect("UTF-8"))
+    let run = |more: &[&str]| {
+        let arguments = [more, &["--spec", "magsat.json", "calibrated/input.json"]].concat();
+        let run = testkit::run_in(REPORT, &testkit::fixture("specs"), &arguments);
+        assert_eq!(run.code, 0);
+        (run.stdout, run.stderr)
     };
-    let (html, said) = run(&["--spec", "magsat.json", "calibrated/input.json"]);
+    let (html, said) = run(&[]);
     assert!(said.contains("conformity: 11 requirements: 4 pass, 2 fail, 5 not shown."), "{said}");
     for verdict in [Verdict::Pass, Verdict::NotShown, Verdict::Fail] {
         assert!(html.contains(&format!(">{}<", verdict.word())), "{verdict:?}");
     }
-    assert_eq!(html, run(&["-q", "--spec", "magsat.json", "calibrated/input.json"]).0);
+    assert_eq!(html, run(&["-q"]).0);
     let help = testkit::run(REPORT, &["--help"], "").stdout;
     let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(help.contains("the exit code is 0 whatever its verdicts"), "{help}");
@@ -386,9 +344,7 @@ fn committed_schema_and_fixtures() {
     let documents = jsonschema::validator_for(&common::schema::document()).expect("a schema");
     assert!(documents.is_valid(&calibrated()));
     for name in ["key-unknown", "kind-unknown", "limit-missing", "limit-as-text", "temperatures-as-words"] {
-        let bad: Value =
-            serde_json::from_str(&testkit::read_fixture(&format!("specs/bad/{name}.json"))).expect("JSON");
-        assert!(!specifications.is_valid(&bad), "{name}");
+        assert!(!specifications.is_valid(&json_of(&format!("specs/bad/{name}.json"))), "{name}");
     }
 }
 

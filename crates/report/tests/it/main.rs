@@ -1,12 +1,11 @@
 //! The integration tests of `report`: one program, a module for each subject.
 
-mod bad_input;
 mod browser;
 mod campaigns;
 mod certificate;
 mod conformity;
 mod findings;
 mod golden;
-mod help;
 mod laws;
+mod program;
 mod well_formed;

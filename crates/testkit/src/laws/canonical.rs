@@ -100,12 +100,10 @@ fn name_of(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
         Value::Array(list) => list.iter().map(name_of).collect::<Vec<_>>().join(" "),
-        Value::Object(object) => object
-            .values()
-            .filter(|value| value.is_string() || strings(Some(value)).is_some())
-            .map(name_of)
-            .collect::<Vec<_>>()
-            .join(" "),
+        Value::Object(object) => {
+            let is_name = |value: &&Value| value.is_string() || strings(Some(value)).is_some();
+            object.values().filter(is_name).map(name_of).collect::<Vec<_>>().join(" ")
+        }
         _ => String::new(),
     }
 }

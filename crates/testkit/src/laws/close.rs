@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::canonical::canonical;
-use super::walk::is_prose;
+use super::walk::{is_apart, is_prose, matrix};
 
 /// How alike two answers have to be, whatever the order of what has none ([`canonical`]).
 #[derive(Clone, Copy, Debug)]
@@ -54,13 +54,12 @@ impl Close {
     }
 
     fn compare(&self, path: &str, found: &Value, expected: &Value, out: &mut Vec<String>) {
-        if self.apart.iter().any(|apart| format!("{path}.").contains(&format!(".{apart}."))) {
+        if is_apart(path, self.apart) {
             return;
         }
         let mut off = |by: f64, allowed: f64| {
             // What is not a number differs from everything.
-            if !matches!(by.partial_cmp(&allowed), Some(std::cmp::Ordering::Less | std::cmp::Ordering::Equal))
-            {
+            if by.is_nan() || allowed.is_nan() || by > allowed {
                 out.push(format!(
                     "{path}: {found} where {expected} is expected: off by {by:.2e}, allowed {allowed:.2e}"
                 ));
@@ -87,12 +86,11 @@ impl Close {
             (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
                 if let (Some(a), Some(b)) = (flat(found), flat(expected)) {
                     let allowed = self.of_list(path, expected, &b);
-                    for (place, (a, b)) in a.iter().zip(&b).enumerate() {
+                    for (place, ((a, b), allowed)) in a.iter().zip(&b).zip(allowed).enumerate() {
                         let by = if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() };
-                        if by.is_nan() || by > allowed(place) {
+                        if by.is_nan() || by > allowed {
                             out.push(format!(
-                                "{path}[{place}]: {a} where {b} is expected, allowed {:.2e}",
-                                allowed(place)
+                                "{path}[{place}]: {a} where {b} is expected, allowed {allowed:.2e}"
                             ));
                         }
                     }
@@ -104,13 +102,8 @@ impl Close {
             }
             (Value::Object(a), Value::Object(b)) => {
                 for key in a.keys().chain(b.keys().filter(|key| !a.contains_key(*key))) {
-                    let path = format!("{path}.{key}");
-                    self.compare(
-                        &path,
-                        a.get(key).unwrap_or(&Value::Null),
-                        b.get(key).unwrap_or(&Value::Null),
-                        out,
-                    );
+                    let [a, b] = [a, b].map(|object| object.get(key).unwrap_or(&Value::Null));
+                    self.compare(&format!("{path}.{key}"), a, b, out);
                 }
             }
             (Value::String(a), Value::String(b)) if is_prose(a) && is_prose(b) && !self.words => {}
@@ -120,21 +113,20 @@ impl Close {
         }
     }
 
-    /// How far the entries of a list may be off.
-    fn of_list(&self, path: &str, expected: &Value, flat: &[f64]) -> Box<dyn Fn(usize) -> f64> {
-        let largest =
-            flat.iter().copied().filter(|x| x.is_finite()).fold(0.0_f64, |most, x| most.max(x.abs()));
-        let (relative, direction) = (self.relative, self.direction);
+    /// How far each entry of a list may be off.
+    fn of_list(&self, path: &str, expected: &Value, flat: &[f64]) -> Vec<f64> {
         if path.ends_with(".matrix") || path.ends_with(".orientation") {
-            return Box::new(move |_| direction);
+            return vec![self.direction; flat.len()];
         }
-        match Some(expected).filter(|_| path.ends_with(".covariance")).and_then(super::walk::matrix) {
-            Some(matrix) => Box::new(move |place| {
+        if let Some(matrix) = Some(expected).filter(|_| path.ends_with(".covariance")).and_then(matrix) {
+            let entry = |place: usize| {
                 let (i, j) = (place / matrix.nrows(), place % matrix.nrows());
-                relative * (matrix[(i, i)] * matrix[(j, j)]).abs().sqrt()
-            }),
-            None => Box::new(move |_| relative * largest),
+                self.relative * (matrix[(i, i)] * matrix[(j, j)]).abs().sqrt()
+            };
+            return (0..flat.len()).map(entry).collect();
         }
+        let largest = flat.iter().filter(|x| x.is_finite()).fold(0.0_f64, |most, x| most.max(x.abs()));
+        vec![self.relative * largest; flat.len()]
     }
 }
 

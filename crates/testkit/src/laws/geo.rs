@@ -54,10 +54,8 @@ pub fn rotate_geo(document: &Value, q: &Rotation) -> Value {
 fn calibrated(calibration: &mut Map<String, Value>, q: &Mat<f64>) {
     if calibration.contains_key("coils") {
         let axes = calibration.entry("axes").or_insert_with(|| json!({}));
-        axes.as_object_mut()
-            .expect("axes")
-            .entry("coils")
-            .or_insert_with(|| json!({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}));
+        let nominal = || json!({"matrix": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]});
+        axes.as_object_mut().expect("axes").entry("coils").or_insert_with(nominal);
     }
     let Some(axes) = calibration.get_mut("axes").and_then(Value::as_object_mut) else { return };
     let names = axes["coils"].as_object().and_then(covariance).map(|(_, names)| names);
@@ -136,14 +134,10 @@ mod tests {
         });
         let turned = rotate_geo(&document, &q);
         let recording = &turned["recordings"][0];
-        assert_eq!(
-            recording["conditions"]["orientation"],
-            json!([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
-        );
-        assert_eq!(
-            recording["columns"],
-            json!({"ambient_x_nt": [3.0], "ambient_y_nt": [1.0], "ambient_z_nt": [2.0]})
-        );
+        let orientation = json!([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+        let columns = json!({"ambient_x_nt": [3.0], "ambient_y_nt": [1.0], "ambient_z_nt": [2.0]});
+        assert_eq!(recording["conditions"]["orientation"], orientation);
+        assert_eq!(recording["columns"], columns);
         assert_eq!(turned["calibration"]["axes"]["coils"]["matrix"], json!(q));
         assert_eq!(turned["calibration"]["axes"]["residual_field_nt"], json!({"x": 3.0, "y": 1.0, "z": 2.0}));
         let q = rotation(7);

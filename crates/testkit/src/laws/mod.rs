@@ -17,7 +17,6 @@ mod unknown;
 mod volts;
 mod walk;
 
-pub use canonical::canonical;
 pub use close::Close;
 pub use draw::{Draw, plan, warm};
 pub use geo::{rotate_geo, rotation};
@@ -25,7 +24,7 @@ pub use noise::{double_noise, doubled, quiet};
 pub use order::{reorder, split};
 pub use reference::move_reference;
 pub use rename::rename_axes;
-pub use unknown::{unknown_keys, without_unknown_keys};
+pub use unknown::unknown_keys;
 pub use volts::scale_volts;
 
 use common::Document;
@@ -74,7 +73,7 @@ pub fn keeps_unknown_keys(document: &Value, stage: impl Fn(&Value) -> Value) {
     let plain = stage(document);
     let asked = unknown_keys(document);
     let found = stage(&asked);
-    assert!(without_unknown_keys(&found) == plain, "unknown keys change an answer");
+    assert!(unknown::without_unknown_keys(&found) == plain, "unknown keys change an answer");
     let lost = unknown::lost(&asked, &found, &plain);
     assert!(lost.is_empty(), "unknown keys are lost at {}", lost.join(", "));
 }

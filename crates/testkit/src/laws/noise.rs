@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::walk::{numbers, objects, recordings};
+use super::walk::{is_apart, numbers, objects, recordings};
 
 /// The plan without any noise, error or uncertainty that is drawn: what would have been read.
 pub fn quiet(plan: &Value) -> Value {
@@ -81,7 +81,7 @@ pub fn doubled(law: &str, found: &Value, once: &Value, part: f64, apart: &[&str]
 }
 
 fn twice(path: &str, found: &Value, once: &Value, part: f64, apart: &[&str], out: &mut Vec<String>) -> usize {
-    if apart.iter().any(|apart| format!("{path}.").contains(&format!(".{apart}."))) {
+    if is_apart(path, apart) {
         return 0;
     }
     let number = |value: &Value| if value.get("value").is_some() { value.get("std")?.as_f64() } else { None };
@@ -98,16 +98,14 @@ fn twice(path: &str, found: &Value, once: &Value, part: f64, apart: &[&str], out
         return 1;
     }
     match (found, once) {
-        (Value::Object(a), Value::Object(b)) => a
-            .iter()
-            .filter_map(|(key, a)| Some(twice(&format!("{path}.{key}"), a, b.get(key)?, part, apart, out)))
-            .sum(),
-        (Value::Array(a), Value::Array(b)) => a
-            .iter()
-            .zip(b)
-            .enumerate()
-            .map(|(place, (a, b))| twice(&format!("{path}.{place}"), a, b, part, apart, out))
-            .sum(),
+        (Value::Object(a), Value::Object(b)) => {
+            let both = a.iter().filter_map(|(key, a)| Some((key, a, b.get(key)?)));
+            both.map(|(key, a, b)| twice(&format!("{path}.{key}"), a, b, part, apart, out)).sum()
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            let both = a.iter().zip(b).enumerate();
+            both.map(|(place, (a, b))| twice(&format!("{path}.{place}"), a, b, part, apart, out)).sum()
+        }
         _ => 0,
     }
 }

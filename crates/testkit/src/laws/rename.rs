@@ -124,17 +124,12 @@ mod tests {
             "words": "sensor x is off"
         });
         let once = rename_axes(&document);
-        assert_eq!(once["recordings"][0]["conditions"]["sensor"], "y");
-        assert_eq!(
-            once["recordings"][0]["conditions"]["orientation"],
-            json!([[9, 7, 8], [3, 1, 2], [6, 4, 5]])
-        );
-        assert_eq!(once["recordings"][0]["columns"], json!({"sensor_y_v": [1, 2, 3], "coil_x_a": [4, 5, 6]}));
-        assert_eq!(once["calibration"]["axes"]["sensors"]["covariance_order"][0], "matrix[1][0]");
-        assert_eq!(
-            once["calibration"]["axes"]["sensors"]["non_orthogonality_arcsec"],
-            json!({"yz": 1, "xz": 2, "xy": 3})
-        );
+        let (recording, sensors) = (&once["recordings"][0], &once["calibration"]["axes"]["sensors"]);
+        let conditions = json!({"sensor": "y", "orientation": [[9, 7, 8], [3, 1, 2], [6, 4, 5]]});
+        assert_eq!(recording["conditions"], conditions);
+        assert_eq!(recording["columns"], json!({"sensor_y_v": [1, 2, 3], "coil_x_a": [4, 5, 6]}));
+        assert_eq!(sensors["covariance_order"][0], "matrix[1][0]");
+        assert_eq!(sensors["non_orthogonality_arcsec"], json!({"yz": 1, "xz": 2, "xy": 3}));
         assert_eq!(once["model"]["effects"][0]["parameters"], json!({"yx_ppm": 1, "east_nt": 2}));
         assert_eq!(rename_axes(&rename_axes(&once)), document);
     }

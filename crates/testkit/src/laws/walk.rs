@@ -13,6 +13,11 @@ pub fn is_prose(text: &str) -> bool {
     text.contains(' ')
 }
 
+/// Whether a path ends in one of these, or goes through it.
+pub fn is_apart(path: &str, apart: &[&str]) -> bool {
+    apart.iter().any(|apart| format!("{path}.").contains(&format!(".{apart}.")))
+}
+
 /// Every number below, changed.
 pub fn numbers(value: &mut Value, change: &dyn Fn(f64) -> f64) {
     match value {

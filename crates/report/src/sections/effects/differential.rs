@@ -104,16 +104,3 @@ fn most(all: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
     let known = all.filter(|(value, std)| (value / std).is_finite());
     known.max_by(|a, b| (a.0 / a.1).abs().total_cmp(&(b.0 / b.1).abs())).map(|(value, _)| value)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::tests::said_by;
-    use super::*;
-
-    #[test]
-    fn phrases() {
-        said_by("diffmag", &FIT);
-        said_by("diffmag", &STABILITY);
-        said_by("diffmag", &REFERENCE);
-    }
-}

@@ -1,11 +1,24 @@
-//! Findings of sensorcal on sensitivity, offset, drift and noise.
+//! Findings of coilcal and sensorcal.
 
-use common::{OffsetDrift, ReversalOffset, SensitivityFit, SensorCalibration};
+use common::{
+    CoilCalibration, CrossFieldFit, OffsetDrift, Quantity, ReversalOffset, SensitivityFit, SensorCalibration,
+    TemperatureFit,
+};
 
-use super::{LEFT_OUT, NOT_SHOWN, NOT_SIGNIFICANT, Rule, UNCERTAINTY, UNDECIDED, largest};
-use crate::Effect;
+use super::{LEFT_OUT, NOT_SHOWN, NOT_SIGNIFICANT, Rule, UNCERTAINTY, UNDECIDED, departure, largest};
+use crate::{Effect, number};
 
 const DAYS_PER_YEAR: f64 = 365.25;
+
+/// What a coil's findings do.
+pub const COIL: [Rule<CoilCalibration>; 4] = [
+    ("not a straight line: ", |coil, _| off_the_line(coil)),
+    ("would explain the readings about as well", |_, _| UNDECIDED),
+    ("the levels scatter more than repeated readings", |coil, _| {
+        Effect::nt(coil.constant.as_ref().map(|fit| fit.rms_nt))
+    }),
+    ("the current was recorded in one direction only", |_, _| NOT_SHOWN),
+];
 
 /// What findings on the sensitivity do.
 pub const SENSITIVITY: [Rule<SensorCalibration>; 9] = [
@@ -53,6 +66,35 @@ pub const NOISE: [Rule<()>; 5] = [
     ("its white noise is underestimated", |_, _| UNCERTAINTY),
 ];
 
+/// What findings on temperatures do.
+pub const TEMPERATURE: [Rule<TemperatureFit>; 2] = [
+    ("besides the polynomials, the readings show ", |fit, words| departure(&fit.departures, words)),
+    ("varied together", |_, _| NOT_SHOWN),
+];
+
+/// What findings on fields across do.
+pub const CROSS_FIELD: [Rule<CrossFieldFit>; 5] = [
+    ("cannot be determined", |_, _| NOT_SHOWN),
+    ("do not affect sensor ", |_, _| NOT_SIGNIFICANT),
+    ("transverse fields affect sensor ", |fit, _| Effect::nt(coefficient(fit))),
+    ("k also depends on the square of the transverse field", |fit, _| {
+        let found = fit.departures.iter().filter(|one| one.found).flat_map(|one| one.parameter.values());
+        Effect::std(largest(found.filter_map(|value| Some(value.value() / value.std()?))))
+    }),
+    ("no temperatures were recorded in", |_, _| NOT_SHOWN),
+];
+
+/// What is fitted beside constant and offset: the largest distance of the fitted field from their line, among
+/// the levels.
+fn off_the_line(coil: &CoilCalibration) -> Effect {
+    let constants = coil.constant_nt_per_a.as_ref().zip(coil.offset_nt.as_ref());
+    let Some((fit, (k, offset))) = coil.constant.as_ref().zip(constants) else { return Effect::NOT_HELD };
+    let residuals = &fit.residuals;
+    let levels = residuals.drive_a.iter().zip(residuals.field_nt.iter().zip(&residuals.residual_nt));
+    let line = |drive: f64| k.value() * drive + offset.value();
+    Effect::nt(largest(levels.map(|(drive, (field, residual))| field - residual - line(*drive))))
+}
+
 /// What fitting a departure changes at the readings, at most.
 fn bend(fit: &SensitivityFit) -> Option<f64> {
     let residuals = &fit.residuals;
@@ -86,25 +128,16 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 }
 
 fn over_the_dates(drift: &OffsetDrift) -> Option<f64> {
-    let [first, last] = crate::number::ends(drift.dates.time_d.iter().copied())?;
+    let [first, last] = number::ends(drift.dates.time_d.iter().copied())?;
     Some(drift.trend_nt_per_year.as_ref()?.value() * (last - first) / DAYS_PER_YEAR)
 }
 
 fn by_temperature(drift: &OffsetDrift) -> Option<f64> {
-    let [low, high] = crate::number::ends(drift.dates.sensor_temperature_c.iter().copied())?;
+    let [low, high] = number::ends(drift.dates.sensor_temperature_c.iter().copied())?;
     Some(drift.temperature_nt_per_k.as_ref()?.value() * (high - low))
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::tests::said_by;
-    use super::*;
-
-    #[test]
-    fn phrases() {
-        said_by("sensorcal", &SENSITIVITY);
-        said_by("sensorcal", &REVERSAL);
-        said_by("sensorcal", &DRIFT);
-        said_by("sensorcal", &NOISE);
-    }
+/// The largest coefficient, at 50 000 nT across.
+fn coefficient(fit: &CrossFieldFit) -> Option<f64> {
+    largest(fit.offset.values().chain(fit.sensitivity.values()).map(Quantity::value))
 }

@@ -1,8 +1,20 @@
-//! Every document of `fixtures/bad/report` brings its message and exit code, and no page.
+//! The program by itself: the examples of its help, and faults of documents with their messages.
 
 use std::fs;
 
 const REPORT: &str = env!("CARGO_BIN_EXE_report");
+
+#[test]
+fn examples_run() {
+    let folder = testkit::examples(REPORT, &[]);
+    let page = fs::read_to_string(folder.path().join("report.html")).expect("a page");
+    assert!(page.starts_with("<!DOCTYPE html>") && page.ends_with("</html>\n"));
+}
+
+#[test]
+fn completions_and_man_pages() {
+    testkit::manual(REPORT);
+}
 
 #[test]
 fn each_fault_has_its_message() {
