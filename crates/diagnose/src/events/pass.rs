@@ -14,7 +14,7 @@ use crate::level::{Rest, at_least_one};
 use crate::proposal::Proposal;
 
 /// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of
-/// the recording.
+/// the recording or the longest that is plausible.
 const SHORTEST: f64 = 1.5;
 const LONGER: f64 = 1.5;
 const LONGEST: f64 = 0.1;
@@ -24,6 +24,8 @@ const FINER: i32 = 6;
 const REACH: f64 = 6.0;
 /// Fewest rows of a recording.
 const ROWS: usize = 24;
+/// Place of the duration among the parameters.
+const DURATION: usize = 10;
 
 /// The pass that explains most.
 pub fn proposal(
@@ -35,6 +37,7 @@ pub fn proposal(
     let observed = &fitter.model.observed;
     let mut strongest: Option<(f64, usize, f64, f64)> = None;
     let mut looks = 0.0;
+    let plausible_s = Kind::VehiclePass.parameters()[DURATION].high;
     for (number, run) in observed.runs.iter().enumerate() {
         let Some(time) = run.time_s else { continue };
         // No vehicle passes what turns in the sunlight above the ground.
@@ -58,7 +61,8 @@ pub fn proposal(
         };
         let better = |a: (f64, usize, f64), b: (f64, usize, f64)| if b.0 > a.0 { b } else { a };
         let longer = std::iter::successors(Some(SHORTEST), |duration| Some(duration * LONGER));
-        let coarse: Vec<f64> = longer.take_while(|duration| *duration < LONGEST * rows as f64).collect();
+        let longest = (LONGEST * rows as f64).min(plausible_s / step);
+        let coarse: Vec<f64> = longer.take_while(|duration| *duration < longest).collect();
         looks += coarse.iter().map(|duration| 3.0 * rows as f64 / duration).sum::<f64>();
         let Some(best) = coarse.into_iter().map(tried).reduce(better) else { continue };
         // A large pass of not quite the right duration leaves what looks like further events.
