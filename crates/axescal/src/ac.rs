@@ -10,9 +10,9 @@ use physics::{Basic, Context};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-use crate::Error;
 use crate::added::Added;
 use crate::observations::{Observation, Observations, sensor_column};
+use crate::{Error, Result};
 
 /// Phases with a smaller chance than this, among all sensors, are reported as a finding.
 const PHASE_P: f64 = 1e-3;
@@ -25,7 +25,7 @@ const OUT_OF_PHASE: f64 = 1e-6;
 const LEAST_STD: f64 = 1e-11;
 
 /// What one AC run gives: phasors relative to the coil with the largest drive.
-pub(crate) struct AcRun {
+pub struct AcRun {
     recording: usize,
     orientation: usize,
     hz: f64,
@@ -38,19 +38,13 @@ pub(crate) struct AcRun {
 /// Sines already fitted to the channels of AC runs. The readings stay the same however often effects are
 /// subtracted, so that each is fitted once.
 #[derive(Default)]
-pub(crate) struct Fits {
+pub struct Fits {
     sines: RefCell<HashMap<(usize, String), Sine>>,
     bases: RefCell<HashMap<usize, Basis>>,
 }
 
 impl Fits {
-    /// The sine of a column of a recording.
-    fn sine(
-        &self,
-        recording: usize,
-        column: &str,
-        fit: impl FnOnce() -> Result<Sine, Error>,
-    ) -> Result<Sine, Error> {
+    fn sine(&self, recording: usize, column: &str, fit: impl FnOnce() -> Result<Sine>) -> Result<Sine> {
         let key = (recording, column.to_string());
         if let Some(sine) = self.sines.borrow().get(&key) {
             return Ok(*sine);
@@ -80,42 +74,32 @@ impl Fits {
 
 /// Fits a sine of the known frequency to every channel of a run, less what effects add to it. The run stands
 /// where its recording does in the document, in one of the orientations.
-pub(crate) fn run(
+pub fn run(
     (recording, orientation): (usize, usize),
     hz: f64,
     instrument: Option<&Instrument>,
     context: &Context<'_>,
     basic: &Basic,
     (sensors, added, fits): (&[Axis], &Added, &Fits),
-) -> Result<AcRun, Error> {
+) -> Result<AcRun> {
     let path = format!("recordings[{recording}]");
     if !(hz.is_finite() && hz > 0.0) {
-        return Err(Error::document(
-            format!("{path}.conditions.drive_hz"),
-            hz.to_string(),
-            "the frequency of the drive, a positive number",
-        ));
+        let expected = "the frequency of the drive, a positive number";
+        return Err(Error::document(format!("{path}.conditions.drive_hz"), hz.to_string(), expected));
     }
     let time = context.times("an AC drive").map_err(|error| error.at(&format!("{path}.columns")))?;
     let cycles = hz * (time.last().copied().unwrap_or(0.0) - time.first().copied().unwrap_or(0.0));
     let each_cycle = time.len() as f64 / cycles;
     if cycles.is_nan() || cycles < LEAST_CYCLES || each_cycle <= 2.0 {
-        return Err(Error::document(
-            format!("{path}.columns.time_s"),
-            format!(
-                "{} cycles of {hz} Hz with {} samples in each",
-                significant(cycles, 3),
-                significant(each_cycle, 3)
-            ),
-            "at least one cycle, sampled more than twice in each",
-        ));
+        let [cycles, samples] = [cycles, each_cycle].map(|number| significant(number, 3));
+        let found = format!("{cycles} cycles of {hz} Hz with {samples} samples in each");
+        let expected = "at least one cycle, sampled more than twice in each";
+        return Err(Error::document(format!("{path}.columns.time_s"), found, expected));
     }
     let undetermined = |column: &str, error: estimate::Error| {
-        Error::document(
-            format!("{path}.columns.{column}"),
-            format!("readings that do not determine a sine of {hz} Hz ({error})"),
-            "a large part of a cycle or more, sampled more than twice a cycle",
-        )
+        let found = format!("readings that do not determine a sine of {hz} Hz ({error})");
+        let expected = "a large part of a cycle or more, sampled more than twice a cycle";
+        Error::document(format!("{path}.columns.{column}"), found, expected)
     };
     let fit = |values: &[f64], column: &str, quantiser: Option<Quantiser>| {
         fits.sine(recording, column, || {
@@ -163,7 +147,7 @@ pub(crate) fn run(
         }
         Ok((sensor, phasor, (sine.std * sensitivity.abs()).max(rounding)))
     };
-    let sensors = sensors.iter().map(|sensor| channel(*sensor)).collect::<Result<_, Error>>()?;
+    let sensors = sensors.iter().map(|sensor| channel(*sensor)).collect::<Result<_>>()?;
     Ok(AcRun { recording, orientation, hz, drive_nt: Vector3::from(coils.map(|coil| coil * turn)), sensors })
 }
 
@@ -173,27 +157,24 @@ pub(crate) fn run(
 /// coils' phasors in an orientation's runs. So z B_c⁻¹ (B_c⁺ where coils in phase were not each the main one)
 /// lies on one line through zero, and φ = ½ arg Σ (z B_c⁻¹)². Coils out of phase with each other make the
 /// imaginary part of z e^(−iφ) a reading of its own, with the imaginary part of the drive.
-pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error> {
+pub fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<()> {
     let mut frequencies: Vec<f64> = runs.iter().map(|run| run.hz).collect();
     frequencies.sort_by(f64::total_cmp);
     frequencies.dedup();
     for hz in frequencies {
         let runs: Vec<&AcRun> = runs.iter().filter(|run| run.hz == hz).collect();
         for sensor in all.sensors.clone() {
-            let phasors: Vec<(&AcRun, Complex<f64>, f64)> = runs
-                .iter()
-                .flat_map(|run| run.sensors.iter().map(move |channel| (*run, channel)))
-                .filter(|(_, (axis, ..))| *axis == sensor)
-                .map(|(run, (_, phasor, std))| (run, *phasor, *std))
-                .collect();
+            let channels = runs.iter().flat_map(|run| run.sensors.iter().map(move |channel| (*run, channel)));
+            let own = channels.filter(|(_, (axis, ..))| *axis == sensor);
+            let phasors: Vec<(&AcRun, Complex<f64>, f64)> =
+                own.map(|(run, (_, phasor, std))| (run, *phasor, *std)).collect();
             let result = phase(sensor, hz, &phasors)?;
             let (phase, phase_std) = (result.phase_rad.value(), result.phase_rad.std().unwrap_or(0.0));
             if result.p_value * (all.sensors.len() as f64) < PHASE_P {
+                let (rad, ms) = (uncertain(phase.abs(), phase_std), significant(result.delay_s * 1e3, 3));
+                let way = if phase < 0.0 { "behind" } else { "ahead of" };
                 all.findings.push(format!(
-                    "sensor {sensor} responds {} rad {} the drive at {hz} Hz, equivalent to a delay of {} ms",
-                    uncertain(phase.abs(), phase_std),
-                    if phase < 0.0 { "behind" } else { "ahead of" },
-                    significant(result.delay_s * 1e3, 3)
+                    "sensor {sensor} responds {rad} rad {way} the drive at {hz} Hz, equivalent to a delay of {ms} ms"
                 ));
             }
             all.phases.push(result);
@@ -225,7 +206,7 @@ pub(crate) fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<(), Error
 
 /// The phase with which a sensor answers, from all runs of one frequency; its standard uncertainty is
 /// σ/√Σ|z|².
-fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Result<PhaseResult, Error> {
+fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Result<PhaseResult> {
     let mut orientations: Vec<usize> = phasors.iter().map(|(run, ..)| run.orientation).collect();
     orientations.sort_unstable();
     orientations.dedup();

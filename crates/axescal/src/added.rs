@@ -5,12 +5,12 @@ use common::{Axis, Document, PerAxis, Quantity, procedure};
 use nalgebra::{Matrix3, Vector3};
 use physics::{EffectInstance, LeftOut, References, Setting};
 
-use crate::Error;
+use crate::Result;
 
 /// What effects add to the readings of the recordings, nT along each sensor; a recording without any has no
 /// rows.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Added {
+pub struct Added {
     recordings: Vec<Vec<Vector3<f64>>>,
     /// Effects that could not act.
     pub left_out: Vec<LeftOut>,
@@ -32,7 +32,7 @@ impl Added {
 
 /// Gradients of the coils and places of the sensors, as the document states them.
 #[derive(Clone)]
-pub(crate) struct Places {
+pub struct Places {
     gradient_nt_per_m_a: Vector3<f64>,
     positions_m: Option<[Vector3<f64>; 3]>,
     /// Whether a gradient is stated with an uncertainty.
@@ -40,7 +40,6 @@ pub(crate) struct Places {
 }
 
 impl Places {
-    /// As the document states them.
     pub fn of(document: &Document) -> Self {
         let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
         let stated = |coil: Axis| coils?.get(coil)?.gradient_nt_per_m_a.as_ref();
@@ -92,10 +91,10 @@ impl Places {
 }
 
 /// Those of the sensors, μ, and of the coils, η.
-pub(crate) type Directions = (Matrix3<f64>, Matrix3<f64>);
+pub type Directions = (Matrix3<f64>, Matrix3<f64>);
 
 /// The model's effects that act in a recording for axescal.
-pub(crate) fn effects(document: &Document) -> Result<Vec<EffectInstance>, Error> {
+pub fn effects(document: &Document) -> Result<Vec<EffectInstance>> {
     let all = physics::adopt(document).map_err(|error| error.at("model"))?;
     let acts = |effect: &EffectInstance| {
         let mut mine = document.recordings.iter().filter(|one| one.procedure == procedure::AXES_ORIENTATION);
@@ -106,12 +105,12 @@ pub(crate) fn effects(document: &Document) -> Result<Vec<EffectInstance>, Error>
 
 /// The reading with the effects and the gradients less the reading without, as field, for sensors and coils
 /// in these directions; None: as the document states them.
-pub(crate) fn added(
+pub fn added(
     document: &Document,
     effects: &[EffectInstance],
     places: &Places,
     directions: Option<Directions>,
-) -> Result<Added, Error> {
+) -> Result<Added> {
     let references = References::of(document);
     let mut all = Added { recordings: vec![Vec::new(); document.recordings.len()], left_out: Vec::new() };
     for (index, recording) in document.recordings.iter().enumerate() {
@@ -131,12 +130,8 @@ pub(crate) fn added(
         context.gradient_nt_per_m_a = Vector3::zeros();
         let without = physics::predict(&basic, &[], &context).map_err(at)?;
         let scale = Vector3::from(basic.sensors.map(|sensor| sensor.sensitivity));
-        all.recordings[index] = with
-            .readings
-            .iter()
-            .zip(&without.readings)
-            .map(|(with, without)| (with - without).component_mul(&scale))
-            .collect();
+        let both = with.readings.iter().zip(&without.readings);
+        all.recordings[index] = both.map(|(with, without)| (with - without).component_mul(&scale)).collect();
         all.left_out.extend(left_out);
     }
     Ok(all)

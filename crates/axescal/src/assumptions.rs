@@ -61,7 +61,7 @@ fn shift(
     let problem = AxesProblem::new(observations, freedom, solution.noise);
     let (_, jacobian) = estimate::linearised(&problem, &solution.fit.state);
     let count = problem.readings();
-    let out: Vec<usize> = (0..problem.unknowns()).filter(|place| is(problem.meaning()[*place])).collect();
+    let out: Vec<usize> = (0..problem.unknowns()).filter(|place| is(problem.meaning[*place])).collect();
     let turns = turns(&solution.meaning);
     let mut shift = DMatrix::zeros(turns.len(), out.len());
     for (column, place) in out.iter().enumerate() {

@@ -6,7 +6,7 @@ use faer::Mat;
 use physics::frames::ARCSEC;
 
 use crate::unknowns::turns;
-use crate::{AxesProblem, AxesState, Error, Freedom, rank};
+use crate::{AxesProblem, AxesState, Error, Freedom, Result, rank};
 
 /// A reading of less weight than this is left out.
 const NO_WEIGHT: f64 = 1e-2;
@@ -20,14 +20,14 @@ const LARGEST_STD: f64 = 3600.0 * ARCSEC;
 
 /// Directions whose uncertainty is beyond all use are refused: for want of turns where the orientations are
 /// to blame, else because the readings do not fit.
-pub(crate) fn check(
+pub fn check(
     problem: &AxesProblem<'_>,
     freedom: &Freedom,
     state: &AxesState,
     covariance: &Mat<f64>,
     residuals_nt: &[f64],
-) -> Result<(), Error> {
-    let turns = turns(problem.meaning());
+) -> Result<()> {
+    let turns = turns(&problem.meaning);
     let worst = turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
     if worst <= LARGEST_STD {
         return Ok(());
@@ -54,20 +54,13 @@ pub(crate) fn check(
 }
 
 /// What a robust fit left out. A large share is no longer a matter of single readings.
-pub(crate) fn rejected(
-    problem: &AxesProblem<'_>,
-    weights: &[f64],
-    residuals_nt: &[f64],
-) -> Result<Option<String>, Error> {
+pub fn rejected(problem: &AxesProblem<'_>, weights: &[f64], residuals_nt: &[f64]) -> Result<Option<String>> {
     let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
+    let readings = counted(weights.len(), "reading");
     if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
-        return Err(Error::Unanswerable(format!(
-            "{} of {} {} to another model than the rest. {}",
-            out.len(),
-            counted(weights.len(), "reading"),
-            plural(out.len(), "belongs", "belong"),
-            misfit(problem, residuals_nt)
-        )));
+        let (misfit, belong) = (misfit(problem, residuals_nt), plural(out.len(), "belongs", "belong"));
+        let out = format!("{} of {readings} {belong} to another model than the rest. {misfit}", out.len());
+        return Err(Error::Unanswerable(out));
     }
     Ok((!out.is_empty()).then(|| {
         let mut orientations: Vec<usize> =
@@ -75,14 +68,9 @@ pub(crate) fn rejected(
         orientations.sort_unstable();
         orientations.dedup();
         let list: Vec<String> = orientations.iter().map(usize::to_string).collect();
-        format!(
-            "{} of {} {} given no weight, in {} {}",
-            out.len(),
-            counted(weights.len(), "reading"),
-            plural(out.len(), "was", "were"),
-            plural(list.len(), "orientation", "orientations"),
-            list.join(", ")
-        )
+        let (count, were) = (out.len(), plural(out.len(), "was", "were"));
+        let (in_orientations, list) = (plural(list.len(), "orientation", "orientations"), list.join(", "));
+        format!("{count} of {readings} {were} given no weight, in {in_orientations} {list}")
     }))
 }
 

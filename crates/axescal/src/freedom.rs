@@ -1,20 +1,16 @@
 //! What may move besides the directions, from what the document states and what the drives can show.
 
-use common::{Axis, Document, Quantity, Uncertainty};
+use common::uncertainty::{self, By};
+use common::{Axis, Document, Quantity, Uncertainty, procedure};
 use faer::Mat;
 use nalgebra::{DMatrix, Vector3};
 use physics::frames::{ARCSEC, tangents};
 
-use crate::drive::drive_std;
 use crate::unknowns::KnownCoils;
-use crate::{Coils, Error, Freedom, Observations, Options, OrientationGroup};
+use crate::{Error, Freedom, Observations, Options, OrientationGroup, Result};
 
 /// What may move, from what the document states and what the drives can show.
-pub(crate) fn freedom(
-    document: &Document,
-    observations: &Observations,
-    options: &Options,
-) -> Result<Freedom, Error> {
+pub fn freedom(document: &Document, observations: &Observations, options: &Options) -> Result<Freedom> {
     let empty = common::Calibration::default();
     let calibration = document.calibration.as_ref().unwrap_or(&empty);
     let exact = |group: &OrientationGroup| group.orientation.uncertainty.norm() == 0.0;
@@ -55,8 +51,28 @@ pub(crate) fn freedom(
     Ok(freedom)
 }
 
+/// A coil's constant, nT/A.
+pub fn constant(document: &Document, coil: Axis) -> f64 {
+    let of = document.calibration.as_ref().and_then(|calibration| calibration.coil(coil));
+    of.and_then(|of| of.constant_nt_per_a.as_ref()).map_or(1.0, Quantity::value)
+}
+
+/// What the calculated field of a coil rests on in the recordings that are read here.
+pub fn drive(document: &Document, coil: Axis) -> By {
+    let mine = document.recordings.iter().filter(|one| one.procedure == procedure::AXES_ORIENTATION);
+    uncertainty::drive(document, coil, constant(document, coil), mine)
+}
+
+/// Standard uncertainties of a coil's calculated field, as a share of the drive and as a constant, nT; None
+/// where none is stated.
+pub fn drive_std(document: &Document, joint: &Uncertainty, coil: Axis) -> [Option<f64>; 2] {
+    let covariance = joint.covariance_by(&drive(document, coil));
+    let std = |which: usize| Some(covariance[(which, which)].sqrt()).filter(|std| *std > 0.0);
+    [std(0).map(|std| std / constant(document, coil).abs()), std(1)]
+}
+
 /// What the facility states of the field that nulling leaves.
-pub(crate) fn residual_field_std(document: &Document) -> Option<f64> {
+pub fn residual_field_std(document: &Document) -> Option<f64> {
     let facility = document.facility.as_ref()?;
     facility.residual_field_std_nt.filter(|std| *std > NEGLIGIBLE_NT)
 }
@@ -67,19 +83,15 @@ const NEGLIGIBLE_NT: f64 = 1e-9;
 /// Whether in some orientation the drives read by a sensor tell a constant from a field in proportion to the
 /// drive: zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives
 /// alone.
-pub(crate) fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
+pub fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
     let largest = observations.largest_drive_nt();
     let driven = |axis: Axis| f64::from(observations.coils.contains(&axis));
     (0..observations.orientations.len()).any(|orientation| {
-        let rows: Vec<[f64; 4]> = observations
-            .readings
-            .iter()
-            .filter(|reading| {
-                reading.orientation == orientation && reading.constant && reading.sensor == sensor
-            })
-            .map(|reading| Axis::ALL.map(|axis| driven(axis) * reading.drive_nt[axis.index()] / largest))
-            .map(|[x, y, z]| [x, y, z, 1.0])
-            .collect();
+        let own = observations.readings.iter().filter(|reading| {
+            reading.orientation == orientation && reading.constant && reading.sensor == sensor
+        });
+        let drives = own.map(|one| Axis::ALL.map(|axis| driven(axis) * one.drive_nt[axis.index()] / largest));
+        let rows: Vec<[f64; 4]> = drives.map(|[x, y, z]| [x, y, z, 1.0]).collect();
         let rank = |columns: usize| {
             let matrix = Mat::from_fn(rows.len(), columns, |i, j| rows[i][j]);
             estimate::Svd::of(matrix.as_ref(), 1e-3).map_or(0, |svd| svd.rank())
@@ -93,16 +105,12 @@ fn check_known(
     calibration: &common::Calibration,
     observations: &Observations,
     given: &common::AxesDirections,
-) -> Result<(), Error> {
+) -> Result<()> {
     let axes = calibration.axes.as_ref();
     let own = |axes: &common::AxesCalibration| {
-        axes.known_coils.is_none()
-            && axes.fit.is_some()
-            && axes
-                .orientations
-                .iter()
-                .flat_map(|orientation| &orientation.recordings)
-                .any(|id| observations.orientations.iter().any(|group| group.recordings.contains(id)))
+        let mut recordings = axes.orientations.iter().flat_map(|orientation| &orientation.recordings);
+        let read = |id| observations.orientations.iter().any(|group| group.recordings.contains(id));
+        axes.known_coils.is_none() && axes.fit.is_some() && recordings.any(read)
     };
     if axes.is_some_and(own) {
         return Err(Error::document(
@@ -113,20 +121,14 @@ fn check_known(
     }
     let order: Vec<String> = (0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect();
     if given.covariance.is_some() && given.covariance_order.as_ref().is_some_and(|given| *given != order) {
-        return Err(Error::document(
-            "calibration.axes.coils.covariance_order",
-            "another order",
-            format!("column by column, {}", order.join(", ")),
-        ));
+        let expected = format!("column by column, {}", order.join(", "));
+        return Err(Error::document("calibration.axes.coils.covariance_order", "another order", expected));
     }
     let negative =
         |axis: Axis| given.std_arcsec.as_ref().and_then(|std| std.get(axis)).is_some_and(|std| std < 0.0);
     if Axis::ALL.into_iter().any(negative) {
-        return Err(Error::document(
-            "calibration.axes.coils.std_arcsec",
-            "a negative number",
-            "a standard uncertainty, which is not negative",
-        ));
+        let expected = "a standard uncertainty, which is not negative";
+        return Err(Error::document("calibration.axes.coils.std_arcsec", "a negative number", expected));
     }
     Ok(())
 }
@@ -136,8 +138,8 @@ fn known_coils(
     calibration: &common::Calibration,
     observations: &Observations,
     options: &Options,
-) -> Result<Option<KnownCoils>, Error> {
-    if options.coils == Coils::Unknown {
+) -> Result<Option<KnownCoils>> {
+    if !options.known_coils {
         return Ok(None);
     }
     let given = calibration.axes.as_ref().and_then(|axes| axes.known_coils.as_ref().or(axes.coils.as_ref()));
@@ -165,11 +167,9 @@ fn known_coils(
             }
         }
         Some(_) => {
-            return Err(Error::document(
-                "calibration.axes.coils.covariance",
-                "a matrix that is not 9x9",
-                "9x9, over the elements of `matrix` column by column, as covariance_order says",
-            ));
+            let key = "calibration.axes.coils.covariance";
+            let expected = "9x9, over the elements of `matrix` column by column, as covariance_order says";
+            return Err(Error::document(key, "a matrix that is not 9x9", expected));
         }
         None => {
             for (n, &axis) in coils.iter().enumerate() {

@@ -12,25 +12,25 @@ use common::{Axis, Document, PerAxis, Quantity, Uncertainty};
 use estimate::stats;
 use faer::{ColRef, Mat};
 
-use crate::drive::{constant, drive};
+use crate::freedom::{constant, drive};
 use crate::unknowns::{Unknown, place};
-use crate::{AxesProblem, AxesState, Error, Observations, Solution, directions};
+use crate::{AxesProblem, AxesState, Error, Observations, Result, Solution};
 
 /// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns
 /// err with parameters of the document.
-pub(crate) struct Split {
+pub struct Split {
     own: Mat<f64>,
     by: By,
 }
 
 /// Splits the covariance of a solution and restates it with all that the sources have in common; `by_effects`
 /// is how the unknowns err with the parameters of the model.
-pub(crate) fn restate(
+pub fn restate(
     document: &Document,
     observations: &Observations,
     solution: &mut Solution,
     by_effects: By,
-) -> Result<Split, Error> {
+) -> Result<Split> {
     let joint = Uncertainty::of(document)?;
     let problem = AxesProblem::new(observations, &solution.freedom, solution.noise);
     let count = solution.meaning.len();
@@ -39,7 +39,7 @@ pub(crate) fn restate(
     // C Jᵀ: what one standard deviation of each row of the fit moves the unknowns by.
     let mut rows = covariance * solution.fit.jacobian.transpose();
     let first = observations.readings.len();
-    for (row, (place, weight)) in problem.priors().iter().enumerate() {
+    for (row, (place, weight)) in problem.priors.iter().enumerate() {
         let truth = truths(document, (observations, &solution.fit.state), solution.meaning[*place]);
         let variance = joint.covariance_by(&truth).sum();
         // C P for this unknown, P = 1/σ².
@@ -79,16 +79,16 @@ fn truths(document: &Document, (observations, state): (&Observations, &AxesState
 
 /// Takes the directions, and the constants that were found with them, into the joint uncertainty of the
 /// document.
-pub(crate) fn adopt(
+pub fn adopt(
     document: &mut Document,
     observations: &Observations,
     solution: &Solution,
     split: &Split,
-) -> Result<(), Error> {
+) -> Result<()> {
     let count = solution.meaning.len();
     let mut parameters = Vec::new();
     let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (name, map) in ["sensors", "coils"].into_iter().zip(directions::turns(observations, solution)) {
+    for (name, map) in ["sensors", "coils"].into_iter().zip(solution.turns(observations)) {
         parameters.extend(uncertainty::directions(name));
         rows.extend(covariance::rows(&map));
     }

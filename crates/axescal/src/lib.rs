@@ -15,8 +15,7 @@ mod assumptions;
 mod certainty;
 mod checks;
 pub mod design;
-mod directions;
-mod drive;
+mod doubts;
 mod freedom;
 mod joint;
 mod means;
@@ -26,33 +25,33 @@ mod observations;
 mod observe;
 mod options;
 mod pair;
-mod priors;
 mod rank;
-mod readings;
 mod result;
 mod scales;
 mod scatter;
 mod solve;
-mod spread;
 mod start;
 mod unknowns;
 mod words;
 
 pub use common::Error;
 pub use model::AxesProblem;
-pub use observations::{NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup, Together};
+pub use observations::{NoiseFactors, Observations};
+use observations::{NoiseSource, Observation, OrientationGroup};
 pub use observe::observe;
-pub use options::{Coils, Options, Start};
-pub use solve::{Solution, solve};
-pub use unknowns::{AxesState, Freedom, KnownCoils};
+pub use options::{Options, Start};
+use solve::{Solution, solve};
+pub use unknowns::{AxesState, Freedom};
 pub use words::summary;
 
 use common::{AxesCalibration, Document};
 use modelled::Modelled;
 
+type Result<T, E = Error> = std::result::Result<T, E>;
+
 /// Finds the directions and writes them to `calibration.axes`, or, of one sensor or coil alone, to
 /// `calibration.axes.subset`; everything else stays as it was.
-pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(document: Document, options: &Options) -> Result<Document> {
     directed(document, options).map_err(|error| {
         error.of_fit(|why| {
             format!(
@@ -62,7 +61,7 @@ pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
     })
 }
 
-fn directed(mut document: Document, options: &Options) -> Result<Document, Error> {
+fn directed(mut document: Document, options: &Options) -> Result<Document> {
     // Observe and solve; what effects add depends on the directions, and is known better with those found.
     let modelled = Modelled::of(&document, options)?;
     let mut observations = modelled.observe(None)?;
@@ -95,7 +94,7 @@ fn directed(mut document: Document, options: &Options) -> Result<Document, Error
 /// Keys that this version does not know stay, and so does what was given as known.
 fn keep(axes: &mut AxesCalibration, before: AxesCalibration, options: &Options) {
     axes.known_coils = before.known_coils;
-    if options.coils == Coils::Known && axes.known_coils.is_none() {
+    if options.known_coils && axes.known_coils.is_none() {
         axes.known_coils = before.coils.clone();
     }
     let pairs = [(&mut axes.sensors, before.sensors), (&mut axes.coils, before.coils)];

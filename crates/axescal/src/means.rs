@@ -17,22 +17,21 @@ const TERMS: usize = 40;
 
 /// The readings of one block and the Cholesky root of their correlation.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Block {
+pub struct Block {
     /// Number of the first reading; the others follow.
     pub first: usize,
     /// L, lower triangular, L Lᵀ = correlation.
     pub root: DMatrix<f64>,
 }
 
-/// Whether a noise has memory.
-pub(crate) fn has_memory(noise: &Noise) -> bool {
+pub fn has_memory(noise: &Noise) -> bool {
     let sizes = [noise.flicker_nt2_per_hz_at_1hz, noise.random_walk_nt_per_sqrt_s];
     sizes.into_iter().flatten().any(|size| size > 0.0)
 }
 
 /// Rows of one drive each, one after the other, and the covariance of their means; None where each row counts
 /// by itself.
-pub(crate) fn means(
+pub fn means(
     noises: &[&Noise],
     time_s: Option<&[f64]>,
     drive_nt: &[Vector3<f64>],
@@ -83,7 +82,7 @@ fn rounding(code: f64, white: f64, count: usize) -> f64 {
 }
 
 /// The blocks of what goes together, of the readings that are there.
-pub(crate) fn blocks(all: &Observations) -> Vec<Block> {
+pub fn blocks(all: &Observations) -> Vec<Block> {
     let mut blocks = Vec::new();
     for together in &all.together {
         let own = |number: &usize| {
@@ -108,14 +107,12 @@ pub(crate) fn blocks(all: &Observations) -> Vec<Block> {
 
 /// Takes what readings have in common out of a column over the readings, each in units of its own standard
 /// deviation: L⁻¹ of each block.
-pub(crate) fn whiten(blocks: &[Block], mut get: impl FnMut(usize) -> f64, mut set: impl FnMut(usize, f64)) {
+pub fn whiten(blocks: &[Block], column: &mut [f64]) {
     for Block { first, root } in blocks {
-        let mut white = Vec::with_capacity(root.nrows());
         for row in 0..root.nrows() {
-            let before: f64 = white.iter().enumerate().map(|(other, value)| root[(row, other)] * value).sum();
-            white.push((get(first + row) - before) / root[(row, row)]);
+            let before: f64 = (0..row).map(|other| root[(row, other)] * column[first + other]).sum();
+            column[first + row] = (column[first + row] - before) / root[(row, row)];
         }
-        white.into_iter().enumerate().for_each(|(row, value)| set(first + row, value));
     }
 }
 

@@ -18,10 +18,11 @@ pub struct AxesProblem<'a> {
     pub observations: &'a Observations,
     /// Factor on their standard deviations.
     pub noise: NoiseFactors,
-    unknowns: Vec<Unknown>,
-    /// Place of each unknown in the step.
+    /// What each component of the step means.
+    pub meaning: Vec<Unknown>,
     place: Places,
-    priors: Vec<(usize, f64)>,
+    /// The unknowns with prior knowledge, by their place, each with the inverse of its standard uncertainty.
+    pub priors: Vec<(usize, f64)>,
     blocks: Vec<Block>,
     known_coils: Option<&'a KnownCoils>,
 }
@@ -89,7 +90,7 @@ impl<'a> AxesProblem<'a> {
         Self {
             observations,
             noise,
-            unknowns,
+            meaning: unknowns,
             place,
             priors,
             blocks: means::blocks(observations),
@@ -97,20 +98,10 @@ impl<'a> AxesProblem<'a> {
         }
     }
 
-    /// What each component of the step means.
-    pub fn meaning(&self) -> &[Unknown] {
-        &self.unknowns
-    }
-
-    /// The unknowns with prior knowledge, by their place, each with the inverse of its standard uncertainty.
-    pub(crate) fn priors(&self) -> &[(usize, f64)] {
-        &self.priors
-    }
-
     /// The rows of prior knowledge, each with its unknown.
     pub fn prior_rows(&self) -> impl Iterator<Item = (usize, Unknown)> {
         let first = self.observations.readings.len();
-        self.priors.iter().enumerate().map(move |(row, (place, _))| (first + row, self.unknowns[*place]))
+        self.priors.iter().enumerate().map(move |(row, (place, _))| (first + row, self.meaning[*place]))
     }
 
     /// The rows that hold known coils to their directions.
@@ -121,8 +112,7 @@ impl<'a> AxesProblem<'a> {
     /// Takes what the errors of readings have in common out of a column over them, each in units of its own
     /// standard deviation.
     pub(crate) fn whiten(&self, column: &mut [f64]) {
-        let given = column.to_vec();
-        means::whiten(&self.blocks, |row| given[row], |row, value| column[row] = value);
+        means::whiten(&self.blocks, column);
     }
 
     /// Standard deviation of a reading, nT.
@@ -237,7 +227,7 @@ impl<'a> AxesProblem<'a> {
 
     /// The value of an unknown that has a prior of mean zero.
     fn value(&self, state: &AxesState, place: usize) -> f64 {
-        match self.unknowns[place] {
+        match self.meaning[place] {
             Unknown::SensorScale(axis) => state.sensor_scale[axis.index()],
             Unknown::CoilScale(axis) => state.coil_scale[axis.index()],
             Unknown::Correction(orientation, k) => state.corrections[orientation][k],
@@ -276,7 +266,7 @@ impl Problem for AxesProblem<'_> {
     type State = AxesState;
 
     fn unknowns(&self) -> usize {
-        self.unknowns.len()
+        self.meaning.len()
     }
 
     fn rows(&self) -> usize {
@@ -303,9 +293,10 @@ impl Problem for AxesProblem<'_> {
             residual[row] = weight * (observation.value_nt - predicted);
         }
         self.whiten(residual);
-        for column in (0..self.unknowns.len()).filter(|_| !self.blocks.is_empty()) {
-            let values: Vec<f64> = (0..self.readings()).map(|row| jacobian[(row, column)]).collect();
-            means::whiten(&self.blocks, |row| values[row], |row, value| jacobian[(row, column)] = value);
+        for column in (0..self.meaning.len()).filter(|_| !self.blocks.is_empty()) {
+            let mut values: Vec<f64> = (0..self.readings()).map(|row| jacobian[(row, column)]).collect();
+            self.whiten(&mut values);
+            values.into_iter().enumerate().for_each(|(row, value)| jacobian[(row, column)] = value);
         }
         let first = self.readings();
         for (row, (place, weight)) in self.priors.iter().enumerate() {
@@ -317,7 +308,7 @@ impl Problem for AxesProblem<'_> {
 
     fn advance(&self, state: &AxesState, step: &[f64]) -> AxesState {
         let mut next = state.clone();
-        for (place, unknown) in self.unknowns.iter().enumerate() {
+        for (place, unknown) in self.meaning.iter().enumerate() {
             match *unknown {
                 Unknown::Sensor(axis, 0) => turn(&mut next.mu, axis, &step[place..place + 2]),
                 Unknown::Coil(axis, 0) => turn(&mut next.eta, axis, &step[place..place + 2]),

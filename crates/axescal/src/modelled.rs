@@ -11,9 +11,8 @@ use physics::{EffectInstance, LeftOut, Role};
 
 use crate::added::{Added, Directions, Places, added, effects};
 use crate::observe::observe_without;
-use crate::{AxesProblem, Error, Observation, Observations, Options, Solution, ac};
+use crate::{AxesProblem, Observation, Observations, Options, Result, Solution, ac};
 
-/// Words for what the gradients add.
 const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
 
 /// Rounds in which directions and effects settle: what effects add is some 10⁻⁴ of the field, and so is what
@@ -21,7 +20,7 @@ const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
 const ROUNDS: usize = 2;
 
 /// The readings of a document, less what the model's effects and the gradients add to them.
-pub(crate) struct Modelled<'a> {
+pub struct Modelled<'a> {
     document: &'a Document,
     options: &'a Options,
     effects: Vec<EffectInstance>,
@@ -30,8 +29,7 @@ pub(crate) struct Modelled<'a> {
 }
 
 impl<'a> Modelled<'a> {
-    /// What acts in the recordings.
-    pub fn of(document: &'a Document, options: &'a Options) -> Result<Self, Error> {
+    pub fn of(document: &'a Document, options: &'a Options) -> Result<Self> {
         let (effects, places) = (effects(document)?, Places::of(document));
         Ok(Self { document, options, effects, places, fits: ac::Fits::default() })
     }
@@ -46,7 +44,7 @@ impl<'a> Modelled<'a> {
     }
 
     /// The readings, with sensors and coils in these directions; None: as the document states them.
-    pub fn observe(&self, directions: Option<Directions>) -> Result<Observations, Error> {
+    pub fn observe(&self, directions: Option<Directions>) -> Result<Observations> {
         if !self.acts() || directions.is_none() {
             // Of recordings that cannot be read, no effect says why.
             let as_read = observe_without(self.document, self.options, &Added::default(), &self.fits)?;
@@ -62,7 +60,7 @@ impl<'a> Modelled<'a> {
 
     /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each
     /// unit, Δ the change of the readings.
-    pub fn by(&self, observations: &Observations, solution: &Solution) -> Result<By, Error> {
+    pub fn by(&self, observations: &Observations, solution: &Solution) -> Result<By> {
         let adopted = || self.document.model.iter().flat_map(|model| &model.effects);
         let mut by = Vec::new();
         for (number, effect) in self.effects.iter().enumerate() {
@@ -91,7 +89,7 @@ impl<'a> Modelled<'a> {
         std: f64,
         observations: &Observations,
         solution: &Solution,
-    ) -> Result<Vec<f64>, Error> {
+    ) -> Result<Vec<f64>> {
         let directions = Some((solution.fit.state.mu, solution.fit.state.eta));
         let moved = added(self.document, effects, places, directions)?;
         let moved = observe_without(self.document, self.options, &moved, &self.fits)?;
@@ -109,7 +107,6 @@ impl<'a> Modelled<'a> {
     }
 }
 
-/// Whether an entry of the model is this effect.
 fn stands_for(adopted: &AdoptedEffect, effect: &EffectInstance) -> bool {
     adopted.effect == effect.kind.name()
         && adopted.sensor.or(adopted.coil) == effect.axis
@@ -117,7 +114,6 @@ fn stands_for(adopted: &AdoptedEffect, effect: &EffectInstance) -> bool {
         && adopted.recording == effect.recording
 }
 
-/// What is to be said of it.
 fn words(effects: &[EffectInstance], places: &Places, added: &Added) -> Vec<String> {
     let names: IndexSet<&str> = effects.iter().map(|effect| effect.kind.name()).collect();
     let names: Vec<&str> = names.into_iter().collect();

@@ -70,7 +70,6 @@ pub enum NoiseSource {
 pub struct OrientationGroup {
     /// R and what the theodolites allow it.
     pub orientation: Orientation,
-    /// Ids of the recordings.
     pub recordings: Vec<String>,
 }
 
@@ -110,7 +109,7 @@ impl Observations {
 }
 
 /// The readings of a sensor with the name of their column.
-pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(String, &[f64])> {
+pub fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(String, &[f64])> {
     [Unit::Volt, Unit::Nanotesla].into_iter().find_map(|unit| {
         let name = format!("sensor_{sensor}_{}", unit.suffix());
         recording.column(&name).map(|column| (name, column))
@@ -120,7 +119,6 @@ pub(crate) fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(Stri
 /// Readings of one sensor in one recording, whose errors go together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Together {
-    /// Number of the recording.
     pub(crate) recording: usize,
     /// The sensor.
     pub(crate) sensor: Axis,

@@ -8,7 +8,9 @@ use std::ops::Range;
 
 use crate::added::Added;
 use crate::observations::{Together, sensor_column};
-use crate::{Error, NoiseSource, Observation, Observations, Options, OrientationGroup, ac, checks, means};
+use crate::{
+    Error, NoiseSource, Observation, Observations, Options, OrientationGroup, Result, ac, checks, means,
+};
 
 /// A coil that makes less than this is as good as off, nT.
 const WEAK_NT: f64 = 5.0;
@@ -16,29 +18,25 @@ const WEAK_NT: f64 = 5.0;
 const LEAST_DRIVE: f64 = 1e-3;
 
 /// Reads every recording of the procedure.
-pub fn observe(document: &Document, options: &Options) -> Result<Observations, Error> {
+pub fn observe(document: &Document, options: &Options) -> Result<Observations> {
     observe_without(document, options, &Added::default(), &ac::Fits::default())
 }
 
 /// Reads every recording of the procedure, less what effects add to its readings.
-pub(crate) fn observe_without(
+pub fn observe_without(
     document: &Document,
     options: &Options,
     added: &Added,
     fits: &ac::Fits,
-) -> Result<Observations, Error> {
-    let recordings: Vec<(usize, &Recording)> = document
-        .recordings
-        .iter()
-        .enumerate()
-        .filter(|(_, recording)| recording.procedure == procedure::AXES_ORIENTATION)
-        .collect();
+) -> Result<Observations> {
+    let recorded = document.recordings.iter().enumerate();
+    let recordings: Vec<(usize, &Recording)> =
+        recorded.filter(|(_, recording)| recording.procedure == procedure::AXES_ORIENTATION).collect();
     if recordings.is_empty() {
-        return Err(Error::document(
-            "recordings",
-            "no recording with \"procedure\": \"axes_orientation\"",
-            "at least one, with the drive of the coils, the readings of the sensors and the orientation",
-        ));
+        let found = "no recording with \"procedure\": \"axes_orientation\"";
+        let expected =
+            "at least one, with the drive of the coils, the readings of the sensors and the orientation";
+        return Err(Error::document("recordings", found, expected));
     }
     let sensors = sensors(document, &recordings, options)?;
     let references = References::of(document);
@@ -123,11 +121,7 @@ fn one_noise_for_all(all: &mut Observations) {
 }
 
 /// The sensors to be read: as asked, else as the instrument states, else as the columns say.
-fn sensors(
-    document: &Document,
-    recordings: &[(usize, &Recording)],
-    options: &Options,
-) -> Result<Vec<Axis>, Error> {
+fn sensors(document: &Document, recordings: &[(usize, &Recording)], options: &Options) -> Result<Vec<Axis>> {
     let stated = document.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
     let mut sensors = match (options.sensor, stated) {
         (Some(sensor), _) => vec![sensor],
@@ -145,11 +139,9 @@ fn sensors(
         return Err(Error::document("instrument.sensors", "an empty list", "the sensors that it has"));
     }
     if sensors.is_empty() {
-        return Err(Error::document(
-            format!("recordings[{}].columns", recordings[0].0),
-            "no sensor_*_v and no sensor_*_nt",
-            "the readings of the sensors",
-        ));
+        let (path, found) =
+            (format!("recordings[{}].columns", recordings[0].0), "no sensor_*_v and no sensor_*_nt");
+        return Err(Error::document(path, found, "the readings of the sensors"));
     }
     Ok(sensors)
 }
@@ -245,7 +237,7 @@ fn drive(basic: &Basic, current_a: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// The coils whose direction is asked for, and the readings that speak of them.
-fn choose_coils(all: &mut Observations, options: &Options) -> Result<(), Error> {
+fn choose_coils(all: &mut Observations, options: &Options) -> Result<()> {
     if let Some(coil) = options.coil {
         all.readings.retain(|reading| {
             let others =

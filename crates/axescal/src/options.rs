@@ -1,31 +1,35 @@
-use clap::ValueEnum;
+//! What is asked of axescal.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 use common::Axis;
 
 /// What is asked of axescal.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Whether η is to be found or is given.
-    pub coils: Coils,
-    /// Where the iteration begins.
+    /// Take calibration.axes.coils as known, with its covariance or std_arcsec
+    #[arg(long)]
+    pub known_coils: bool,
+    /// Where the iteration begins
+    #[arg(long, value_enum, default_value_t = Start::Identity)]
     pub start: Start,
-    /// Leave the scales of sensors and coils free.
+    /// Fit the scale factors of sensors and coils, and compare them with the calibration
+    #[arg(long)]
     pub free_scales: bool,
-    /// Weigh readings far from the rest down.
+    /// Down-weight outliers
+    #[arg(long)]
     pub robust: bool,
-    /// Use this sensor alone.
+    /// Use this sensor alone
+    #[arg(long, value_parser = axis())]
     pub sensor: Option<Axis>,
-    /// Use the readings with this coil alone.
+    /// Use the readings with this coil alone
+    #[arg(long, value_parser = axis())]
     pub coil: Option<Axis>,
 }
 
-/// Whether η is to be found or is given.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Coils {
-    /// η is found with μ.
-    #[default]
-    Unknown,
-    /// η is `calibration.axes.coils`, with its covariance.
-    Known,
+fn axis() -> impl TypedValueParser<Value = Axis> {
+    let of = |letter: String| Axis::ALL.into_iter().find(|axis| axis.letter() == letter);
+    PossibleValuesParser::new(Axis::ALL.map(Axis::letter)).try_map(move |letter| of(letter).ok_or("no axis"))
 }
 
 /// Where the iteration begins.
@@ -46,18 +50,14 @@ impl Options {
 
     /// What the history records of the request.
     pub fn arguments(&self) -> Vec<String> {
-        let mut arguments = Vec::new();
-        let mut flag = |set: bool, name: &str| {
-            if set {
-                arguments.push(name.to_string());
-            }
-        };
-        flag(self.coils == Coils::Known, "--known-coils");
-        flag(self.start == Start::Document, "--start=document");
-        flag(self.free_scales, "--free-scales");
-        flag(self.robust, "--robust");
-        arguments.extend(self.sensor.map(|axis| format!("--sensor={axis}")));
-        arguments.extend(self.coil.map(|axis| format!("--coil={axis}")));
-        arguments
+        let flags = [
+            (self.known_coils, "--known-coils"),
+            (self.start == Start::Document, "--start=document"),
+            (self.free_scales, "--free-scales"),
+            (self.robust, "--robust"),
+        ];
+        let flags = flags.into_iter().filter(|(set, _)| *set).map(|(_, name)| name.to_string());
+        let sensor = self.sensor.map(|axis| format!("--sensor={axis}"));
+        flags.chain(sensor).chain(self.coil.map(|axis| format!("--coil={axis}"))).collect()
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::frames::{ARCSEC, angle};
 use physics::reading;
 
-use crate::{AxesProblem, Error, NoiseFactors, Observations, Solution};
+use crate::{AxesProblem, NoiseFactors, Observations, Result, Solution};
 
 /// M/B = m · R n with all six components of m and n free. Lengths can be traded between m and n, so that the
 /// rank is 5 at most; each step is the one of least norm.
@@ -52,7 +52,7 @@ impl Problem for Unconstrained<'_> {
 }
 
 /// The unconstrained solution beside the constrained one.
-pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairComparison, Error> {
+pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairComparison> {
     let (sensor, coil) = (observations.sensors[0], observations.coils[0]);
     let constrained = AxesProblem::new(observations, &solution.freedom, solution.noise);
     let problem = Unconstrained {

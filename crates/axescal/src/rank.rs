@@ -17,7 +17,7 @@ pub fn explain(
     unseen: &[Vec<f64>],
 ) -> String {
     let observations = problem.observations;
-    let turns = turns(problem.meaning()).len();
+    let turns = turns(&problem.meaning).len();
     let what = match unseen {
         [one] => describe(problem, state, one),
         _ => format!(
@@ -67,7 +67,7 @@ fn describe(problem: &AxesProblem<'_>, state: &AxesState, vector: &[f64]) -> Str
                 unknown: fn(Axis, usize) -> Unknown| {
         let moved = axes.iter().map(|&axis| {
             let direction = matrix.column(axis.index()).into_owned();
-            let change = place(problem.meaning(), unknown(axis, 0)).map_or(Vector3::zeros(), |place| {
+            let change = place(&problem.meaning, unknown(axis, 0)).map_or(Vector3::zeros(), |place| {
                 let [a, b] = tangents(&direction);
                 a * vector[place] + b * vector[place + 1]
             });
@@ -122,15 +122,15 @@ fn name_axis(axis: &Vector3<f64>) -> String {
 /// turns that do, those are named that leave the directions almost as certain as the best.
 fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, turns: usize) -> String {
     let quarter = std::f64::consts::FRAC_PI_2;
-    let tried: Vec<(Axis, Gain)> = Axis::ALL
+    let tried: Vec<(Axis, (usize, f64))> = Axis::ALL
         .into_iter()
         .map(|axis| (axis, with_one_more(observations, freedom, state, &Vector3::ith(axis.index(), quarter))))
         .collect();
-    let rank = tried.iter().map(|(_, gain)| gain.rank).max().unwrap_or(0);
-    let ranked = || tried.iter().filter(|(_, gain)| gain.rank == rank);
-    let least = ranked().map(|(_, gain)| gain.worst).fold(f64::INFINITY, f64::min);
+    let rank = tried.iter().map(|(_, (rank, _))| *rank).max().unwrap_or(0);
+    let ranked = || tried.iter().filter(|(_, gain)| gain.0 == rank);
+    let least = ranked().map(|(_, gain)| gain.1).fold(f64::INFINITY, f64::min);
     let letters: Vec<&str> =
-        ranked().filter(|(_, gain)| gain.worst <= 1.2 * least).map(|(axis, _)| axis.letter()).collect();
+        ranked().filter(|(_, gain)| gain.1 <= 1.2 * least).map(|(axis, _)| axis.letter()).collect();
     let (letters, first) = (letters.join(" or "), &observations.orientations[0].recordings[0]);
     if rank >= turns {
         format!(
@@ -145,20 +145,14 @@ fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, tur
     }
 }
 
-/// What one more orientation would give: the rank of the directions and the largest standard deviation,
-/// relative.
-struct Gain {
-    rank: usize,
-    worst: f64,
-}
-
-/// One more orientation, each coil driven in it once.
+/// What one more orientation, each coil driven in it once, would give: the rank of the directions and the
+/// largest standard deviation, relative.
 fn with_one_more(
     observations: &Observations,
     freedom: &Freedom,
     state: &AxesState,
     turn: &Vector3<f64>,
-) -> Gain {
+) -> (usize, f64) {
     let mut more = observations.clone();
     let mut group = more.orientations[0].clone();
     group.orientation.rotation = small_rotation(turn) * group.orientation.rotation;
@@ -178,13 +172,11 @@ fn with_one_more(
     let mut state = state.clone();
     state.corrections.push(Vector3::zeros());
     let (_, jacobian) = estimate::linearised(&problem, &state);
-    let turns = turns(problem.meaning());
+    let turns = turns(&problem.meaning);
     let Ok(svd) = Svd::of(jacobian.as_ref(), estimate::Options::default().rank_tolerance) else {
-        return Gain { rank: 0, worst: f64::INFINITY };
+        return (0, f64::INFINITY);
     };
     let covariance = svd.covariance();
-    Gain {
-        rank: turns.len() - svd.unseen(&turns).len(),
-        worst: turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt(),
-    }
+    let worst = turns.iter().map(|&k| covariance[(k, k)]).fold(0.0, f64::max).sqrt();
+    (turns.len() - svd.unseen(&turns).len(), worst)
 }

@@ -8,10 +8,9 @@ use faer::Mat;
 use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
 
+use crate::doubts::Doubt;
 use crate::unknowns::{Unknown, place};
-use crate::{
-    AxesProblem, Error, Observation, Observations, Options, Solution, assumptions, directions, pair, scales,
-};
+use crate::{AxesProblem, Observation, Observations, Options, Result, Solution, assumptions, pair, scales};
 
 /// More readings than this are summed up by orientation only.
 const MOST_READINGS: usize = 20_000;
@@ -22,9 +21,9 @@ pub fn describe(
     observations: &Observations,
     solution: &Solution,
     options: &Options,
-) -> Result<AxesCalibration, Error> {
+) -> Result<AxesCalibration> {
     let state = &solution.fit.state;
-    let [sensor_turns, coil_turns] = directions::turns(observations, solution);
+    let [sensor_turns, coil_turns] = solution.turns(observations);
     let covariance = |one: &Mat<f64>, other: &Mat<f64>| one * &solution.covariance * other.transpose();
     let stated = |axes: &[Axis], matrix: &Matrix3<f64>, turns: &Mat<f64>| {
         physics::directions(axes, matrix, &covariance(turns, turns))
@@ -141,11 +140,13 @@ fn fit(observations: &Observations, solution: &Solution, options: &Options) -> A
         observations.readings.iter().map(|reading| of(reading).powi(2)).sum::<f64>() / count as f64
     };
     let declared = mean_square(&|reading| reading.std_nt);
+    let iteration = |step: &estimate::Step| IterationStep {
+        rms_nt: (step.cost / count as f64).sqrt() * declared.sqrt(),
+        turn_arcsec: turn(&step.step),
+        rank: step.rank,
+    };
     AxesFit {
-        method: match options.coils {
-            crate::Coils::Unknown => "coils unknown".into(),
-            crate::Coils::Known => "coils known".into(),
-        },
+        method: if options.known_coils { "coils known" } else { "coils unknown" }.into(),
         readings: count,
         unknowns: solution.meaning.len(),
         rank: solution.fit.svd.rank(),
@@ -157,36 +158,25 @@ fn fit(observations: &Observations, solution: &Solution, options: &Options) -> A
         chi_squared: solution.chi_squared.map(|(chi_squared, _)| chi_squared),
         chi_squared_p: solution.chi_squared.map(|(_, p)| p),
         coverage_factor_95: solution.coverage_factor,
-        iterations: solution
-            .steps
-            .iter()
-            .map(|step| IterationStep {
-                rms_nt: (step.cost / count as f64).sqrt() * declared.sqrt(),
-                turn_arcsec: turn(&step.step),
-                rank: step.rank,
-            })
-            .collect(),
+        iterations: solution.steps.iter().map(iteration).collect(),
     }
 }
 
 fn doubtful(document: &Document, observations: &Observations, solution: &Solution) -> Vec<DoubtfulReading> {
-    solution
-        .doubtful
-        .iter()
-        .map(|doubt| {
-            let reading = &observations.readings[doubt.reading];
-            DoubtfulReading {
-                recording: document.recordings[reading.recording].id.clone(),
-                orientation: reading.orientation + 1,
-                row: reading.row,
-                coil: Observations::main_coil(reading),
-                sensor: reading.sensor,
-                leave_one_out_nt: doubt.leave_one_out_nt,
-                t: doubt.t,
-                p_adjusted: doubt.p_adjusted,
-            }
-        })
-        .collect()
+    let told = |doubt: &Doubt| {
+        let reading = &observations.readings[doubt.reading];
+        DoubtfulReading {
+            recording: document.recordings[reading.recording].id.clone(),
+            orientation: reading.orientation + 1,
+            row: reading.row,
+            coil: Observations::main_coil(reading),
+            sensor: reading.sensor,
+            leave_one_out_nt: doubt.leave_one_out_nt,
+            t: doubt.t,
+            p_adjusted: doubt.p_adjusted,
+        }
+    };
+    solution.doubtful.iter().map(told).collect()
 }
 
 fn readings(document: &Document, observations: &Observations, solution: &Solution) -> AxesReadings {

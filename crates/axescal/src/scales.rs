@@ -38,14 +38,11 @@ pub fn describe(
     );
     let relative = |members: &[Member]| -> PerAxis<ScaleResult> {
         let share = 1.0 / members.len() as f64;
-        members
-            .iter()
-            .enumerate()
-            .map(|(own, member)| {
-                let weights: Vec<f64> = (0..members.len()).map(|k| f64::from(k == own) - share).collect();
-                (member.axis, result(members, &weights, &solution.covariance, freedom))
-            })
-            .collect()
+        let one = |(own, member): (usize, &Member)| {
+            let weights: Vec<f64> = (0..members.len()).map(|k| f64::from(k == own) - share).collect();
+            (member.axis, result(members, &weights, &solution.covariance, freedom))
+        };
+        members.iter().enumerate().map(one).collect()
     };
     let all: Vec<Member> = sensors.iter().chain(&coils).copied().collect();
     let weights: Vec<f64> = std::iter::repeat_n(1.0 / sensors.len() as f64, sensors.len())
@@ -114,11 +111,9 @@ fn result(members: &[Member], weights: &[f64], covariance: &Mat<f64>, freedom: f
 ///
 /// A single wrong constant moves all relative scales; so each constant is tried as the only one that is off.
 fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> String {
-    let members: Vec<(String, &Member, f64)> = sensors
-        .iter()
-        .map(|member| (format!("sensor {}", member.axis), member, 1.0))
-        .chain(coils.iter().map(|member| (format!("coil {}", member.axis), member, -1.0)))
-        .collect();
+    let of_sensors = sensors.iter().map(|member| (format!("sensor {}", member.axis), member, 1.0));
+    let of_coils = coils.iter().map(|member| (format!("coil {}", member.axis), member, -1.0));
+    let members: Vec<(String, &Member, f64)> = of_sensors.chain(of_coils).collect();
     let count = members.len();
     // The trade μ → s μ, η → η/s is taken out of the logarithms and of their covariance.
     let trade = DVector::from_iterator(count, members.iter().map(|(_, _, sign)| *sign)).normalize();
@@ -147,24 +142,19 @@ fn verdict(sensors: &[Member], coils: &[Member], covariance: &Mat<f64>) -> Strin
             p_value(p)
         );
     }
-    let mut single: Vec<(f64, String)> = members
-        .iter()
-        .enumerate()
-        .map(|(k, (name, _, _))| {
-            let column = seen.column(k);
-            let information = (column.transpose() * &weight * column)[(0, 0)];
-            let size = (column.transpose() * &weight * &scales)[(0, 0)] / information;
-            let left = chi_squared - size * size * information;
-            let ppm = uncertain(size * 1e6, information.sqrt().recip() * 1e6);
-            (left, format!("{name} by {} ppm", signed(&ppm)))
-        })
-        .collect();
+    let alone = |(k, (name, ..)): (usize, &(String, &Member, f64))| {
+        let column = seen.column(k);
+        let information = (column.transpose() * &weight * column)[(0, 0)];
+        let size = (column.transpose() * &weight * &scales)[(0, 0)] / information;
+        let left = chi_squared - size * size * information;
+        let ppm = uncertain(size * 1e6, information.sqrt().recip() * 1e6);
+        (left, format!("{name} by {} ppm", signed(&ppm)))
+    };
+    let mut single: Vec<(f64, String)> = members.iter().enumerate().map(alone).collect();
     single.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let enough: Vec<&str> = single
-        .iter()
-        .filter(|(left, _)| stats::chi_squared_p(*left, freedom - 1.0) >= DISAGREES_P)
-        .map(|(_, name)| name.as_str())
-        .collect();
+    let explains = |left: f64| stats::chi_squared_p(left, freedom - 1.0) >= DISAGREES_P;
+    let enough = single.iter().filter(|(left, _)| explains(*left));
+    let enough: Vec<&str> = enough.map(|(_, name)| name.as_str()).collect();
     let explained = match enough.as_slice() {
         [] => "no single constant explains it".to_string(),
         [one] => format!("one constant explains it, {one}"),

@@ -1,10 +1,14 @@
-//! The noise of the readings: as it is declared, or as they scatter about the fit, which changes with it.
+//! The noise of the readings: as it is declared, or as they scatter about the fit, which changes with it; of
+//! all of them, or of those with constant drives and the amplitudes of AC runs apart, which it has from
+//! different sources.
 
 use common::number::{counted, p_value, plural, significant};
-use estimate::{Fit, Options as Iteration, Problem, robust};
+use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 
-use crate::spread::{ReadingKind, Spread};
-use crate::{AxesProblem, AxesState, Error, Freedom, NoiseFactors, NoiseSource, Observations, Options};
+use crate::{
+    AxesProblem, AxesState, Error, Freedom, NoiseFactors, NoiseSource, Observation, Observations, Options,
+    Result,
+};
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
 const CHI_SQUARED_P: f64 = 1e-3;
@@ -18,8 +22,93 @@ const SETTLED: f64 = 1e-5;
 /// Rounding of a reading, as a share of the largest.
 const ROUNDING: f64 = 1e-13;
 
+/// Readings whose noise is judged together.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReadingKind {
+    All,
+    Constant,
+    Ac,
+}
+
+impl ReadingKind {
+    /// Both kinds where both are there, unless they are to be judged together.
+    pub fn of(observations: &Observations, together: bool) -> Vec<ReadingKind> {
+        let there = |constant: bool| observations.readings.iter().any(|reading| reading.constant == constant);
+        if together || !(there(true) && there(false)) {
+            vec![ReadingKind::All]
+        } else {
+            vec![ReadingKind::Constant, ReadingKind::Ac]
+        }
+    }
+
+    fn holds(self, reading: &Observation) -> bool {
+        match self {
+            ReadingKind::All => true,
+            ReadingKind::Constant => reading.constant,
+            ReadingKind::Ac => !reading.constant,
+        }
+    }
+
+    pub fn factor(self, noise: NoiseFactors) -> f64 {
+        if self == ReadingKind::Ac { noise.ac } else { noise.constant }
+    }
+
+    pub fn with(self, noise: NoiseFactors, factor: f64) -> NoiseFactors {
+        match self {
+            ReadingKind::All => NoiseFactors::both(factor),
+            ReadingKind::Constant => NoiseFactors { constant: factor, ..noise },
+            ReadingKind::Ac => NoiseFactors { ac: factor, ..noise },
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            ReadingKind::All => "the readings",
+            ReadingKind::Constant => "the readings with constant drives",
+            ReadingKind::Ac => "the amplitudes of AC runs",
+        }
+    }
+}
+
+/// Residuals of one kind of readings, in units of their standard deviations.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    pub sum_of_squares: f64,
+    /// Readings, by their weight, less what the fit takes of them: Σ (w − h).
+    pub degrees_of_freedom: f64,
+}
+
+impl Spread {
+    /// That of a fit, with the weights of a robust one.
+    pub fn of(
+        observations: &Observations,
+        fit: &Fit<AxesState>,
+        weights: Option<&[f64]>,
+        kind: ReadingKind,
+    ) -> Spread {
+        let leverage = fit.svd.leverage();
+        let own = observations.readings.iter().enumerate().filter(|(_, reading)| kind.holds(reading));
+        let (mut sum_of_squares, mut degrees_of_freedom) = (0.0, 0.0);
+        for (row, _) in own {
+            sum_of_squares += fit.residual[row].powi(2);
+            degrees_of_freedom += weights.map_or(1.0, |weights| weights[row]) - leverage[row];
+        }
+        Spread { sum_of_squares, degrees_of_freedom }
+    }
+
+    /// Standard deviation of a reading, in units of the one that was put in.
+    pub fn scale(&self) -> f64 {
+        (self.sum_of_squares / self.degrees_of_freedom.max(1e-9)).sqrt()
+    }
+
+    /// Probability of as large a χ² where the noise is what was put in.
+    pub fn p(&self) -> f64 {
+        stats::chi_squared_p(self.sum_of_squares, self.degrees_of_freedom)
+    }
+}
+
 /// A fit with what it says of the noise.
-pub(crate) struct Estimate {
+pub struct Estimate {
     pub fit: Fit<AxesState>,
     pub weights: Option<Vec<f64>>,
     pub spread: Spread,
@@ -39,7 +128,7 @@ fn estimated(
     start: AxesState,
     known_scale: bool,
     options: &Options,
-) -> Result<Estimate, Error> {
+) -> Result<Estimate> {
     let (fit, weights, robust_scale) = if options.robust {
         let robust = robust::solve_robust(problem, start, known_scale, &Iteration::default())?;
         (robust.fit, Some(robust.weights), Some(robust.scale))
@@ -50,7 +139,7 @@ fn estimated(
     Ok(Estimate { scale: robust_scale.unwrap_or(spread.scale()), fit, weights, spread })
 }
 
-pub(crate) struct Settled<'a> {
+pub struct Settled<'a> {
     observations: &'a Observations,
     pub estimate: Estimate,
     /// Factors on the readings' standard deviations.
@@ -63,12 +152,12 @@ pub(crate) struct Settled<'a> {
 
 /// Fits from a start, and takes the noise from the scatter where it is not declared, or where the readings
 /// scatter more than that by more than chance.
-pub(crate) fn settle<'a>(
+pub fn settle<'a>(
     observations: &'a Observations,
     freedom: &Freedom,
     start: AxesState,
     options: &Options,
-) -> Result<Settled<'a>, Error> {
+) -> Result<Settled<'a>> {
     let known_scale = observations.noise != NoiseSource::Residuals;
     let problem = AxesProblem::new(observations, freedom, NoiseFactors::ONE);
     let mut estimate = estimated(&problem, start, known_scale, options)?;
@@ -131,7 +220,6 @@ impl Settled<'_> {
         self.scattering.iter().map(of).fold(f64::INFINITY, f64::min)
     }
 
-    /// What is to be said of the scatter.
     pub fn words(&self) -> Vec<String> {
         if self.observations.noise == NoiseSource::Residuals {
             return Vec::new();

@@ -1,31 +1,28 @@
 //! From readings to a solution with its uncertainty.
 
-use common::Document;
+use common::{Axis, Document};
 use estimate::influence::{self, Influence};
 use estimate::{Fit, Options as Iteration, Problem, stats};
 use faer::Mat;
+use nalgebra::Matrix3;
+use physics::frames::tangents;
 
 use crate::scatter::{self, Settled};
-use crate::start::{self, Beginning};
-use crate::unknowns::{Unknown, turns};
+use crate::unknowns::{Unknown, place, turns};
 use crate::{
-    AxesProblem, AxesState, Error, Freedom, NoiseFactors, NoiseSource, Observations, Options, certainty,
-    freedom, priors, rank, readings,
+    AxesProblem, AxesState, Error, Freedom, NoiseFactors, NoiseSource, Observations, Options, Result,
+    certainty, doubts, freedom, rank, start,
 };
 
 /// Singular values below this share of the largest are held still where the iteration wanders along them.
 const COARSE_RANK: f64 = 1e-3;
 
-/// The directions and all that stands behind them.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    /// What was allowed to move.
     pub freedom: Freedom,
-    /// The minimum.
     pub fit: Fit<AxesState>,
     /// What each unknown of the fit means.
     pub meaning: Vec<Unknown>,
-    /// Covariance of the unknowns.
     pub covariance: Mat<f64>,
     /// Factors on the readings' standard deviations.
     pub noise: NoiseFactors,
@@ -33,7 +30,6 @@ pub struct Solution {
     pub noise_source: String,
     /// χ² over the declared noise with its probability, where noise is declared.
     pub chi_squared: Option<(f64, f64)>,
-    /// Degrees of freedom left.
     pub degrees_of_freedom: f64,
     /// Degrees of freedom of the noise where it was taken from the scatter of the readings; infinite where it
     /// is known.
@@ -44,35 +40,52 @@ pub struct Solution {
     pub residuals_nt: Vec<f64>,
     /// Leverage and leave-one-out of every reading, in units of its standard deviation.
     pub influence: Vec<Influence>,
-    /// Weights of a robust fit.
     pub weights: Option<Vec<f64>>,
     /// Outliers: number, leave-one-out, t, adjusted p.
-    pub doubtful: Vec<readings::Doubt>,
+    pub doubtful: Vec<doubts::Doubt>,
     /// The steps of the first, plain iteration, in units of the declared noise.
     pub steps: Vec<estimate::Step>,
-    /// What looks wrong, in words.
     pub findings: Vec<String>,
 }
 
+impl Solution {
+    /// The 9×n matrices from the unknowns to the elements of the directions of sensors and of coils, column
+    /// by column.
+    pub fn turns(&self, observations: &Observations) -> [Mat<f64>; 2] {
+        let of = |axes: &[Axis], matrix: &Matrix3<f64>, unknown: fn(Axis, usize) -> Unknown| {
+            let mut map = Mat::zeros(9, self.meaning.len());
+            for &axis in axes {
+                let Some(place) = place(&self.meaning, unknown(axis, 0)) else { continue };
+                for (k, tangent) in tangents(&matrix.column(axis.index()).into_owned()).iter().enumerate() {
+                    (0..3).for_each(|row| map[(3 * axis.index() + row, place + k)] = tangent[row]);
+                }
+            }
+            map
+        };
+        let AxesState { mu, eta, .. } = &self.fit.state;
+        [of(&observations.sensors, mu, Unknown::Sensor), of(&observations.coils, eta, Unknown::Coil)]
+    }
+}
+
 /// Finds the directions, or says what is missing for them.
-pub fn solve(document: &Document, observations: &Observations, options: &Options) -> Result<Solution, Error> {
+pub fn solve(document: &Document, observations: &Observations, options: &Options) -> Result<Solution> {
     // The unknowns, and whether the orientations show them.
-    let Beginning { state: start, mut findings } = start::begin(document, observations, options)?;
+    let (start, mut findings) = start::begin(document, observations, options)?;
     let freedom = freedom::freedom(document, observations, options)?;
     let problem = AxesProblem::new(observations, &freedom, NoiseFactors::ONE);
     let plain = first_fit(&problem, start)?;
-    let unseen = plain.svd.unseen(&turns(problem.meaning()));
+    let unseen = plain.svd.unseen(&turns(&problem.meaning));
     if !unseen.is_empty() {
         return Err(Error::Unanswerable(rank::explain(&problem, &freedom, &plain.state, &unseen)));
     }
 
     // Single readings, then constants, that do not belong to the rest.
     let known_scale = observations.noise != NoiseSource::Residuals;
-    let doubtful = readings::doubtful(&problem, &plain, known_scale)?;
+    let doubtful = doubts::doubtful(&problem, &plain, known_scale)?;
     let steps = plain.steps.clone();
     let mut trusted = vec![1.0; problem.readings()];
     doubtful.iter().for_each(|doubt| trusted[doubt.reading] = 0.0);
-    let (freedom, contradicted) = priors::settle(observations, freedom, &plain.state, &trusted, known_scale)?;
+    let (freedom, contradicted) = doubts::settle(observations, freedom, &plain.state, &trusted, known_scale)?;
     findings.extend(contradicted);
 
     // The fit and its noise.
@@ -92,7 +105,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     }
     findings.extend(scatters);
     Ok(Solution {
-        meaning: problem.meaning().to_vec(),
+        meaning: problem.meaning.clone(),
         coverage_factor: stats::coverage_factor(0.95, noise_freedom),
         noise_freedom,
         influence: influence::influence(&fit, problem.readings(), false, 0),
@@ -113,7 +126,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
 
 /// The plain fit. Where a combination of turns is all but unseen, the iteration may wander along it; then it
 /// is held still, so that what is wrong can be said.
-fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesState>, Error> {
+fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesState>> {
     match estimate::solve(problem, start.clone(), None, &Iteration::default()) {
         Err(estimate::Error::NotConverged { .. }) => {
             let coarse = Iteration { rank_tolerance: COARSE_RANK, ..Iteration::default() };
@@ -125,7 +138,7 @@ fn first_fit(problem: &AxesProblem<'_>, start: AxesState) -> Result<Fit<AxesStat
 
 /// The problem with all readings alike at the minimum of a robust fit: the noise factor then makes its
 /// covariance.
-fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<AxesState>, Error> {
+fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<AxesState>> {
     let (residual, jacobian) = estimate::linearised(problem, &fit.state);
     let svd = estimate::Svd::of(jacobian.as_ref(), Iteration::default().rank_tolerance)?;
     let cost = residual.iter().map(|r| r * r).sum();

@@ -4,15 +4,10 @@ use common::{Axis, Document};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
 
-use crate::{AxesState, Coils, Error, Observations, Options, Start};
+use crate::{AxesState, Error, Observations, Options, Result, Start};
 
-/// A start, with what had to be turned round or swapped for it, in words.
-pub struct Beginning {
-    pub state: AxesState,
-    pub findings: Vec<String>,
-}
-
-/// The start that the options ask for, with signs and columns of the sensors as the readings show them.
+/// The start that the options ask for, with signs and columns of the sensors as the readings show them; and
+/// what had to be turned round or swapped for it, in words.
 ///
 /// Every reading is compared with the one that the first model predicts for it. Reversing a sensor changes
 /// the sign of all its products, swapping two sensors exchanges them: of the 6 × 2⁶ combinations that with
@@ -21,7 +16,7 @@ pub fn begin(
     document: &Document,
     observations: &Observations,
     options: &Options,
-) -> Result<Beginning, Error> {
+) -> Result<(AxesState, Vec<String>)> {
     let first = first_model(document, observations, options)?;
     let mut products = [[[0.0; 3]; 3]; 3];
     for reading in &observations.readings {
@@ -33,7 +28,7 @@ pub fn begin(
             }
         }
     }
-    let coil_signs = if options.coils == Coils::Known { 1 } else { 8 };
+    let coil_signs = if options.known_coils { 1 } else { 8 };
     let swaps: &[[usize; 3]] = if observations.sensors.len() == 3 {
         &[[0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 2, 0], [2, 0, 1]]
     } else {
@@ -81,16 +76,12 @@ pub fn begin(
             ));
         }
     }
-    Ok(Beginning { state: AxesState { mu, eta, ..first }, findings })
+    Ok((AxesState { mu, eta, ..first }, findings))
 }
 
-fn first_model(
-    document: &Document,
-    observations: &Observations,
-    options: &Options,
-) -> Result<AxesState, Error> {
+fn first_model(document: &Document, observations: &Observations, options: &Options) -> Result<AxesState> {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| -> Result<_, Error> {
+    let given = |part: &str, from: Option<&common::AxesDirections>, why: &str| -> Result<_> {
         let Some(rows) = from.and_then(|part| part.matrix) else {
             let path = format!("calibration.axes.{part}.matrix");
             let expected = format!("a 3x3 matrix whose columns are unit vectors, which {why} asks for");
@@ -108,7 +99,7 @@ fn first_model(
         mu = given("sensors", axes.and_then(|axes| axes.sensors.as_ref()), "--start=document")?;
         eta = given("coils", axes.and_then(|axes| axes.coils.as_ref()), "--start=document")?;
     }
-    if options.coils == Coils::Known {
+    if options.known_coils {
         let known = axes.and_then(|axes| axes.known_coils.as_ref().or(axes.coils.as_ref()));
         eta = given("coils", known, "--known-coils")?;
     }

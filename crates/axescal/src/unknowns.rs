@@ -97,9 +97,7 @@ pub enum Unknown {
     Sensor(Axis, usize),
     /// Turn of a coil along one of its tangents, rad.
     Coil(Axis, usize),
-    /// Relative scale of a sensor.
     SensorScale(Axis),
-    /// Relative scale of a coil.
     CoilScale(Axis),
     /// Correction of an orientation, in units of its uncertainty.
     Correction(usize, usize),
@@ -110,18 +108,15 @@ pub enum Unknown {
 }
 
 impl Unknown {
-    /// Whether it turns a direction.
     pub fn is_turn(self) -> bool {
         matches!(self, Unknown::Sensor(..) | Unknown::Coil(..))
     }
 }
 
-/// The place of an unknown among all.
 pub fn place(all: &[Unknown], unknown: Unknown) -> Option<usize> {
     all.iter().position(|one| *one == unknown)
 }
 
-/// The places of those that turn a direction.
 pub fn turns(all: &[Unknown]) -> Vec<usize> {
     (0..all.len()).filter(|k| all[*k].is_turn()).collect()
 }

@@ -1,7 +1,7 @@
 //! The result in a few lines for people.
 
 use common::number::{counted, figures, p_value, signed, significant, vector};
-use common::{AxesCalibration, AxesDirections, Axis, Document, PerAxis, Quantity};
+use common::{AxesCalibration, AxesDirections, AxesFit, Axis, Document, DoubtfulReading, PerAxis, Quantity};
 use physics::frames::ARCSEC;
 
 use crate::Options;
@@ -16,16 +16,12 @@ pub fn summary(document: &Document, options: &Options) -> String {
 fn describe(axes: &AxesCalibration) -> String {
     let mut lines = Vec::new();
     if let Some(fit) = &axes.fit {
+        let (readings, orientations) =
+            (counted(fit.readings, "reading"), counted(axes.orientations.len(), "orientation"));
+        let [rms, noise] = [fit.rms_nt, fit.noise_nt].map(|nt| significant(nt, 4));
+        let AxesFit { method, rank, unknowns, noise_source, .. } = fit;
         lines.push(format!(
-            "axescal: {} in {}, {}; rank {} of {}, rms {} nT, noise {} nT ({})",
-            counted(fit.readings, "reading"),
-            counted(axes.orientations.len(), "orientation"),
-            fit.method,
-            fit.rank,
-            fit.unknowns,
-            significant(fit.rms_nt, 4),
-            significant(fit.noise_nt, 4),
-            fit.noise_source
+            "axescal: {readings} in {orientations}, {method}; rank {rank} of {unknowns}, rms {rms} nT, noise {noise} nT ({noise_source})"
         ));
         let each = fit.iterations.iter().map(|step| {
             format!("{} nT, turned {}\"", significant(step.rms_nt, 4), significant(step.turn_arcsec, 2))
@@ -41,12 +37,10 @@ fn describe(axes: &AxesCalibration) -> String {
     lines.extend(constants("corrections to the offsets in calibration.sensors", axes.offsets_nt.as_ref()));
     lines.extend(axes.scales.iter().map(|scales| format!("  scales: {}", scales.verdict)));
     lines.extend(axes.pair.iter().map(|pair| {
+        let each = [pair.sensor_difference_arcsec, pair.coil_difference_arcsec, pair.incompatibility_rms_nt];
+        let ([sensor, coil, misfit], rank) = (each.map(|one| significant(one, 3)), pair.unconstrained_rank);
         format!(
-            "  without the unit-length constraint: rank {} of 6, sensor {}\" and coil {}\" from the directions above, misfit {} nT",
-            pair.unconstrained_rank,
-            significant(pair.sensor_difference_arcsec, 3),
-            significant(pair.coil_difference_arcsec, 3),
-            significant(pair.incompatibility_rms_nt, 3)
+            "  without the unit-length constraint: rank {rank} of 6, sensor {sensor}\" and coil {coil}\" from the directions above, misfit {misfit} nT"
         )
     }));
     lines.extend(axes.phases.iter().map(|phase| {
@@ -69,17 +63,12 @@ fn describe(axes: &AxesCalibration) -> String {
         lines.push(format!("  assumed: {}{bound}", assumption.assumed));
     }
     lines.extend(axes.doubtful.iter().map(|doubt| {
+        let DoubtfulReading { orientation, recording, row, coil, sensor, leave_one_out_nt, t, p_adjusted } = doubt;
+        let (off, t) = (signed(&significant(*leave_one_out_nt, 4)), significant(*t, 3));
+        let p = p_value(*p_adjusted);
         format!(
-            "  outlier: orientation {} (\"{}\", row {}), coil {}, sensor {}: {} nT from the prediction of the others \
-             (t = {}, adjusted {})",
-            doubt.orientation,
-            doubt.recording,
-            doubt.row,
-            doubt.coil,
-            doubt.sensor,
-            signed(&significant(doubt.leave_one_out_nt, 4)),
-            significant(doubt.t, 3),
-            p_value(doubt.p_adjusted)
+            "  outlier: orientation {orientation} (\"{recording}\", row {row}), coil {coil}, sensor {sensor}: {off} nT from the prediction of the others \
+             (t = {t}, adjusted {p})"
         )
     }));
     lines.extend(axes.findings.iter().map(|finding| format!("  note: {finding}")));

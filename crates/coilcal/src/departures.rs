@@ -5,27 +5,30 @@ use estimate::linear::{self, LinearFit};
 use estimate::stats;
 use faer::Mat;
 
-use crate::Error;
-use crate::levels::Level;
+use crate::Result;
 use crate::readings::Reading;
-use crate::scatter::scatter;
+use crate::scatter::{Level, Scatter, scatter};
 
 /// A departure is claimed below this probability, adjusted for all that were looked for.
-pub const FOUND_BELOW: f64 = 0.01;
+const FOUND_BELOW: f64 = 0.01;
+/// A departure whose χ² is within this of the best one's is as good: 99 % of one degree of freedom.
+const RIVAL_WITHIN: f64 = 6.63;
+/// Departures that are fitted together at most.
+const MOST: usize = 2;
 
 /// A departure from B = k I + B0 (fields signed by the current).
-pub struct DepartureKind {
+struct DepartureKind {
     /// Its name in documents.
-    pub name: &'static str,
+    name: &'static str,
     parameter: &'static str,
     /// Its column, by a reading and its time from the middle of the run.
     column: fn(&Reading, f64) -> f64,
     /// Whether it can only add to the magnitude.
-    pub adds: bool,
+    adds: bool,
 }
 
 /// All that are looked for.
-pub static ALL: [DepartureKind; 7] = [
+static ALL: [DepartureKind; 7] = [
     // c I²: a curvature, opposite in the two ranges.
     kind("quadratic", "curvature_nt_per_a2", |reading, _| reading.current_a * reading.current_a),
     // d I³: a curvature, alike in both ranges.
@@ -57,59 +60,123 @@ const fn kind(
     DepartureKind { name, parameter, column, adds: false }
 }
 
-impl PartialEq for DepartureKind {
-    fn eq(&self, other: &Self) -> bool {
-        self.name == other.name
-    }
+/// Readings in levels, with their relative standard deviations and the one that is declared, nT.
+pub struct Run<'a> {
+    pub readings: &'a [Reading],
+    pub levels: &'a [Level],
+    pub relative_std: &'a [f64],
+    pub declared: Option<f64>,
 }
 
-/// Fits offset, constant and the departures of `kinds` to the readings, weighted by their relative standard
-/// deviations.
-pub fn fit(readings: &[Reading], kinds: &[&DepartureKind], relative_std: &[f64]) -> Result<LinearFit, Error> {
-    let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
-    let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
-        0 => 1.0,
-        1 => readings[row].current_a,
-        _ => (kinds[column - 2].column)(&readings[row], readings[row].time_s - middle_s),
-    });
-    let y: Vec<f64> = readings.iter().map(|reading| reading.field_nt).collect();
-    Ok(linear::fit(design.as_ref(), &y, Some(relative_std))?)
+/// The line with what it leaves out.
+pub struct Found {
+    /// Offset, constant, and the departures that were found.
+    pub fit: LinearFit,
+    /// Their names, in the order of the fit.
+    pub names: Vec<&'static str>,
+    /// All that were looked for.
+    pub departures: Vec<Departure>,
+    /// Names of those that explain the readings about as well as the first.
+    pub rivals: Vec<String>,
 }
 
-/// Looks for each departure beside the line, by Student's t of its size in a common fit. The scatter is that
-/// of the fit with the departure.
-pub fn look(
-    readings: &[Reading],
-    levels: &[Level],
-    relative_std: &[f64],
-    declared: Option<f64>,
-) -> Result<Vec<(&'static DepartureKind, Departure)>, Error> {
-    let mut found = Vec::new();
-    for kind in &ALL {
-        let fit = fit(readings, &[kind], relative_std)?;
-        // What belongs to one range alone is no further column where there is only one.
-        if fit.rank < 3 || fit.freedom < 1.0 {
-            continue;
-        }
-        let scatter = scatter(levels, &fit, declared);
-        let std = fit.covariance[(2, 2)].sqrt() * scatter.std_nt;
-        let size = fit.coefficients[2];
-        let two_sided = stats::two_sided_p(size / std, scatter.freedom);
-        let p_value = match kind.adds {
-            true if size < 0.0 => 1.0 - two_sided / 2.0,
+/// A departure beside those that are fitted already, in a common fit. The scatter is that of this fit.
+struct Beside {
+    kind: &'static DepartureKind,
+    size: f64,
+    std: f64,
+    /// Reduction of the sum of squares, nT².
+    gain: f64,
+    scatter: Scatter,
+}
+
+impl Beside {
+    /// Probability that it is zero, by Student's t of its size.
+    fn p_value(&self) -> f64 {
+        let two_sided = stats::two_sided_p(self.size / self.std, self.scatter.freedom);
+        match self.kind.adds {
+            true if self.size < 0.0 => 1.0 - two_sided / 2.0,
             true => two_sided / 2.0,
             false => two_sided,
-        };
-        let parameter = [(kind.parameter.to_string(), Quantity::new(size, std))].into_iter().collect();
-        let name = kind.name.to_string();
-        found.push((
-            kind,
-            Departure { departure: name, parameter, p_value, p_adjusted: p_value, found: false },
-        ));
+        }
     }
-    let count = found.len() as f64;
-    for (_, departure) in &mut found {
-        departure.p_adjusted = (departure.p_value * count).min(1.0);
+
+    /// Variance of a reading's residual, nT².
+    fn variance(&self) -> f64 {
+        self.scatter.std_nt.powi(2)
     }
-    Ok(found)
+}
+
+impl Run<'_> {
+    /// Fits offset, constant and some departures to the readings.
+    fn fit(&self, kinds: &[&DepartureKind]) -> Result<LinearFit> {
+        let readings = self.readings;
+        let middle_s = readings.iter().map(|reading| reading.time_s).sum::<f64>() / readings.len() as f64;
+        let design = Mat::from_fn(readings.len(), 2 + kinds.len(), |row, column| match column {
+            0 => 1.0,
+            1 => readings[row].current_a,
+            _ => (kinds[column - 2].column)(&readings[row], readings[row].time_s - middle_s),
+        });
+        let y: Vec<f64> = readings.iter().map(|reading| reading.field_nt).collect();
+        Ok(linear::fit(design.as_ref(), &y, Some(self.relative_std))?)
+    }
+
+    /// Each departure that the readings can show beside those of a fit.
+    fn beside(&self, kinds: &[&'static DepartureKind], fit: &LinearFit) -> Result<Vec<Beside>> {
+        let (mut all, last) = (Vec::new(), kinds.len() + 2);
+        for kind in ALL.iter().filter(|kind| kinds.iter().all(|fitted| fitted.name != kind.name)) {
+            let wider = self.fit(&[kinds, &[kind]].concat())?;
+            // What belongs to one range alone is no further column where there is only one.
+            if wider.rank > last && wider.freedom >= 1.0 {
+                let scatter = scatter(self.levels, &wider, self.declared);
+                let std = wider.covariance[(last, last)].sqrt() * scatter.std_nt;
+                let gain = (fit.sum_of_squares - wider.sum_of_squares).max(0.0);
+                all.push(Beside { kind, size: wider.coefficients[last], std, gain, scatter });
+            }
+        }
+        Ok(all)
+    }
+
+    /// Fits the line, then one departure after the other, the most significant first, as long as the line
+    /// with it leaves another one.
+    pub fn search(&self) -> Result<Found> {
+        let (mut kinds, mut fit) = (Vec::new(), self.fit(&[])?);
+        let (mut departures, mut rivals) = (Vec::new(), Vec::new());
+        let mut count = 0.0;
+        while kinds.len() < MOST {
+            let mut all = self.beside(&kinds, &fit)?;
+            if kinds.is_empty() {
+                count = all.len() as f64;
+                departures.extend(all.iter().map(|one| {
+                    let p_value = one.p_value();
+                    let size = Quantity::new(one.size, one.std);
+                    Departure {
+                        departure: one.kind.name.into(),
+                        parameter: [(one.kind.parameter.to_string(), size)].into_iter().collect(),
+                        p_value,
+                        p_adjusted: (p_value * count).min(1.0),
+                        found: false,
+                    }
+                }));
+            }
+            all.retain(|one| {
+                let p = || stats::two_sided_p((one.gain / one.variance()).sqrt(), one.scatter.freedom);
+                let opposite = one.kind.adds && one.size < 0.0;
+                !opposite && one.scatter.freedom >= 1.0 && p() * count < FOUND_BELOW
+            });
+            all.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+            let [best, others @ ..] = &all[..] else { break };
+            if kinds.is_empty() {
+                let as_good = |other: &&Beside| best.gain - other.gain < RIVAL_WITHIN * best.variance();
+                rivals = others.iter().filter(as_good).map(|other| other.kind.name.to_string()).collect();
+            }
+            kinds.push(best.kind);
+            fit = self.fit(&kinds)?;
+        }
+        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
+        for departure in &mut departures {
+            departure.found = names.contains(&departure.departure.as_str());
+        }
+        Ok(Found { fit, names, departures, rivals })
+    }
 }

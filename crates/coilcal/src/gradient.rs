@@ -7,8 +7,8 @@ use common::{
 use estimate::linear::{self, LinearFit};
 use faer::Mat;
 
-use crate::Error;
 use crate::readings::{check, drive};
+use crate::{Error, Result};
 
 /// Places closer than this are one, m.
 const SAME_PLACE_M: f64 = 1e-6;
@@ -16,7 +16,7 @@ const SAME_PLACE_M: f64 = 1e-6;
 const POWERS: [i32; 3] = [1, 2, 4];
 
 /// All surveys of a coil in the document's order.
-pub fn surveys(document: &Document, coil: Axis, off_centre_m: f64) -> Result<Vec<CoilSurvey>, Error> {
+pub fn surveys(document: &Document, coil: Axis, off_centre_m: f64) -> Result<Vec<CoilSurvey>> {
     let mut found = Vec::new();
     for (index, recording) in document.recordings.iter().enumerate() {
         if recording.procedure == procedure::COIL_GRADIENT && recording.conditions.coil == Some(coil) {
@@ -32,7 +32,7 @@ fn survey(
     coil: Axis,
     off_centre_m: f64,
     path: &str,
-) -> Result<CoilSurvey, Error> {
+) -> Result<CoilSurvey> {
     let need = |name: &str, what: &str| {
         recording.column(name).ok_or_else(|| {
             Error::document(format!("{path}.columns"), format!("no `{name}`"), what.to_string())
@@ -130,11 +130,8 @@ fn columns(places: &[Vec<usize>], at: &[f64], field: &[f64], fit: &LinearFit, no
 /// The largest departure of the fitted field within a distance of the centre, at its end or between.
 fn off_centre(fit: &LinearFit, powers: &[i32], distance_m: f64, noise_nt: f64) -> OffCentre {
     let departure = |x: f64| -> f64 {
-        powers
-            .iter()
-            .zip(&fit.coefficients[1..])
-            .map(|(power, coefficient)| coefficient * x.powi(*power))
-            .sum()
+        let terms = powers.iter().zip(&fit.coefficients[1..]);
+        terms.map(|(power, coefficient)| coefficient * x.powi(*power)).sum()
     };
     let worst = (-100..=100)
         .map(|step| distance_m * f64::from(step) / 100.0)
@@ -156,12 +153,10 @@ pub fn gradient_coil(surveys: &[CoilSurvey]) -> Option<GradientCoil> {
     let second = rest.iter().find(|survey| survey.gradient_coil_a.is_some_and(|current| current != from))?;
     let to = second.gradient_coil_a?;
     let place = |survey: &CoilSurvey| {
-        let index = survey
-            .places
-            .position_m
-            .iter()
-            .position(|x| (x - first.worst_position_m).abs() <= SAME_PLACE_M)?;
-        Some((survey.places.departure_nt[index], survey.places.std_nt[index]))
+        let places = &survey.places;
+        let there = |x: &f64| (x - first.worst_position_m).abs() <= SAME_PLACE_M;
+        let index = places.position_m.iter().position(there)?;
+        Some((places.departure_nt[index], places.std_nt[index]))
     };
     let ((d1, u1), (d2, u2)) = (place(first)?, place(second)?);
     let change = d1 * (to - from) / (d1 - d2);

@@ -8,7 +8,6 @@
 mod constant;
 mod departures;
 mod gradient;
-mod levels;
 mod nulling;
 mod readings;
 mod scatter;
@@ -18,6 +17,8 @@ pub use common::Error;
 pub use words::summary;
 
 use common::{Axis, Document, Uncertainty, procedure};
+
+type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,12 +45,12 @@ const NOTHING: &str = "no recording with the procedure `coil_constant`, `coil_gr
 /// Finds the constants and gradients of the coils that were recorded, and what the nulling leaves, and writes
 /// them to `calibration.coils` and `calibration.nulling`; a coil without a recording keeps what the document
 /// says of it.
-pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(document: Document, options: &Options) -> Result<Document> {
     calibrated(document, options)
         .map_err(|error| error.of_fit(|why| format!("the coil constant could not be fitted: {why}")))
 }
 
-fn calibrated(mut document: Document, options: &Options) -> Result<Document, Error> {
+fn calibrated(mut document: Document, options: &Options) -> Result<Document> {
     if !document.recordings.iter().any(|recording| PROCEDURES.contains(&recording.procedure.as_str())) {
         return Err(Error::Request(NOTHING.into()));
     }

@@ -10,7 +10,7 @@ use estimate::spectrum::{Spectrum, welch};
 use estimate::stats;
 use indexmap::IndexMap;
 
-use crate::Error;
+use crate::{Error, Result};
 
 /// Segments into which a series is cut, before overlapping.
 const SEGMENTS: usize = 8;
@@ -43,17 +43,22 @@ struct Series<'a> {
 
 /// The spectra of every condition; None without a recording. `nyquist_hz` is that of the instrument that will
 /// measure.
-pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCalibration>, Error> {
+pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCalibration>> {
     let mut sites: IndexMap<String, Vec<(usize, &Recording)>> = IndexMap::new();
     for (index, recording) in document.recordings.iter().enumerate() {
         if recording.procedure == procedure::NULLING_RESIDUAL {
-            sites.entry(site(recording, index)?).or_default().push((index, recording));
+            let site = recording.conditions.extra.get("site").and_then(|site| site.as_str());
+            let site = site.ok_or_else(|| {
+                let path = format!("recordings[{index}].conditions.site");
+                Error::document(path, "no such key", "the condition of the site, as in \"weekday-day\"")
+            })?;
+            sites.entry(site.to_string()).or_default().push((index, recording));
         }
     }
     let mut found = NullingCalibration::default();
     for (name, recordings) in sites {
         let series = recordings.into_iter().map(|(index, recording)| read(document, recording, index));
-        found.sites.insert(name, merge(series.collect::<Result<_, Error>>()?, nyquist_hz));
+        found.sites.insert(name, merge(series.collect::<Result<_>>()?, nyquist_hz));
     }
     let total = |site: &SiteSpectra| {
         let longest = site.expected.last()?;
@@ -64,16 +69,8 @@ pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCa
     Ok((!found.sites.is_empty()).then_some(found))
 }
 
-fn site(recording: &Recording, index: usize) -> Result<String, Error> {
-    let site = recording.conditions.extra.get("site").and_then(|site| site.as_str());
-    site.map(str::to_string).ok_or_else(|| {
-        let path = format!("recordings[{index}].conditions.site");
-        Error::document(path, "no such key", "the condition of the site, as in \"weekday-day\"")
-    })
-}
-
 /// The spectra of a series, in nT.
-fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>, Error> {
+fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>> {
     let path = format!("recordings[{index}].columns");
     let mut spectra = Vec::new();
     let (mut step_s, mut uneven_s) = (f64::NAN, None);
@@ -91,12 +88,7 @@ fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Resu
 }
 
 /// The readings of a sensor in nT at even times; a missing one is the mean of its neighbours that are there.
-fn field(
-    document: &Document,
-    recording: &Recording,
-    axis: Axis,
-    path: &str,
-) -> Result<Option<Evened>, Error> {
+fn field(document: &Document, recording: &Recording, axis: Axis, path: &str) -> Result<Option<Evened>> {
     let (column, scale) = match recording.axis_column("sensor", axis, "nt") {
         Some(column) => (column, 1.0),
         None => {

@@ -1,13 +1,12 @@
 //! The readings of one coil, with what is wrong told by row.
 
+use crate::Result;
 use common::number::plural;
 use common::range::{SCALAR_MARGIN, SCALAR_NT};
 use common::{Axis, Document, Error, Recording, procedure};
 
-/// All readings of one coil.
 pub struct Readings {
     pub coil: Axis,
-    /// Their ids.
     pub recordings: Vec<String>,
     /// Readings by time where each recording says when it began, else as they are listed.
     pub readings: Vec<Reading>,
@@ -25,7 +24,7 @@ pub struct Reading {
 }
 
 /// The readings of a coil; None without a recording of it.
-pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>, Error> {
+pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>> {
     let mut all = Readings { coil, recordings: Vec::new(), readings: Vec::new(), volts: false };
     let mut dated = true;
     for (index, recording) in document.recordings.iter().enumerate() {
@@ -48,7 +47,7 @@ pub fn read(document: &Document, coil: Axis) -> Result<Option<Readings>, Error> 
     Ok((!all.recordings.is_empty()).then_some(all))
 }
 
-fn one(document: &Document, recording: &Recording, path: &str, all: &mut Readings) -> Result<(), Error> {
+fn one(document: &Document, recording: &Recording, path: &str, all: &mut Readings) -> Result<()> {
     recording.at_hand(path)?;
     let (drive, volts) = drive(document, recording, all.coil, path)?;
     let Some(reference) = recording.column("reference_nt") else {
@@ -70,12 +69,7 @@ fn one(document: &Document, recording: &Recording, path: &str, all: &mut Reading
 }
 
 /// The current, from its column or from the voltage over the resistor.
-pub fn drive(
-    document: &Document,
-    recording: &Recording,
-    coil: Axis,
-    path: &str,
-) -> Result<(Vec<f64>, bool), Error> {
+pub fn drive(document: &Document, recording: &Recording, coil: Axis, path: &str) -> Result<(Vec<f64>, bool)> {
     if let Some(current) = recording.axis_column("coil", coil, "a") {
         return Ok((current.to_vec(), false));
     }
@@ -96,7 +90,7 @@ pub fn drive(
 }
 
 /// Fields that a scalar magnetometer can have read.
-pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), Error> {
+pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<()> {
     let column = format!("{path}.columns.reference_nt");
     if let Some(row) = reference.iter().position(|field| *field < 0.0) {
         let found = format!("{} nT in row {row}", reference[row]);
@@ -112,12 +106,8 @@ pub fn check(document: &Document, reference: &[f64], path: &str) -> Result<(), E
     }
     let shown = rows.iter().take(10).cloned().collect::<Vec<_>>().join(", ");
     let more = if rows.len() > 10 { format!(" and {} more", rows.len() - 10) } else { String::new() };
-    Err(Error::document(
-        column,
-        format!(
-            "fields outside the scalar magnetometer's range in {} {shown}{more}",
-            plural(rows.len(), "row", "rows")
-        ),
-        format!("{low} to {high} nT; remove the rows, or state `facility.reference_range_nt`"),
-    ))
+    let rows = plural(rows.len(), "row", "rows");
+    let found = format!("fields outside the scalar magnetometer's range in {rows} {shown}{more}");
+    let expected = format!("{low} to {high} nT; remove the rows, or state `facility.reference_range_nt`");
+    Err(Error::document(column, found, expected))
 }

@@ -1,16 +1,67 @@
-//! The scatter of the readings about a model, on which type A uncertainties rest.
+//! Repeats: readings with the same drive, and visits, those of them that were taken one after the other; and
+//! the scatter of all about a model, on which type A uncertainties rest.
 
 use common::FTest;
 use estimate::linear::LinearFit;
 use estimate::stats;
 
-use crate::levels::{Level, mean, visits, within};
 use crate::readings::Reading;
 
 /// Levels are weighted below this probability that they scatter alike.
 const UNEQUAL_BELOW: f64 = 1e-3;
 /// Degrees of freedom with which the common scatter counts beside a level's own.
 const PRIOR_FREEDOM: f64 = 4.0;
+/// Currents within this share of the largest are one level.
+const SAME: f64 = 1e-4;
+
+/// Numbers of the readings at one drive.
+pub type Level = Vec<usize>;
+
+/// Groups the readings into levels, by rising current.
+pub fn levels(readings: &[Reading]) -> Vec<Level> {
+    let largest = readings.iter().map(|reading| reading.current_a.abs()).fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..readings.len()).collect();
+    order.sort_by(|a, b| readings[*a].current_a.total_cmp(&readings[*b].current_a));
+    let mut levels: Vec<Level> = Vec::new();
+    let mut last = f64::NEG_INFINITY;
+    for index in order {
+        let current = readings[index].current_a;
+        match levels.last_mut() {
+            Some(level) if current - last <= SAME * largest => level.push(index),
+            _ => levels.push(vec![index]),
+        }
+        last = current;
+    }
+    levels
+}
+
+/// Splits levels into visits: readings of one drive that follow each other directly. What wanders slowly, the
+/// site's field for one, is common to a visit.
+pub fn visits(levels: &[Level]) -> Vec<Level> {
+    let of = |level: &Level| {
+        let mut members = level.clone();
+        members.sort_unstable();
+        members.chunk_by(|before, after| before + 1 == *after).map(<[usize]>::to_vec).collect::<Vec<_>>()
+    };
+    levels.iter().flat_map(of).collect()
+}
+
+/// Sum of squares of values about the means of their levels, and its degrees of freedom.
+pub fn within(levels: &[Level], value: impl Fn(usize) -> f64) -> (f64, f64) {
+    let mut sum = 0.0;
+    let mut freedom = 0.0;
+    for level in levels {
+        let mean = mean(level, &value);
+        sum += level.iter().map(|member| (value(*member) - mean).powi(2)).sum::<f64>();
+        freedom += level.len() as f64 - 1.0;
+    }
+    (sum, freedom)
+}
+
+/// Mean of values over a level.
+pub fn mean(level: &[usize], value: impl Fn(usize) -> f64) -> f64 {
+    level.iter().map(|member| value(*member)).sum::<f64>() / level.len() as f64
+}
 
 /// The standard deviation on which type A uncertainties rest.
 pub struct Scatter {
@@ -45,7 +96,7 @@ pub fn relative_std(readings: &[Reading], levels: &[Level]) -> Vec<f64> {
         for level in levels {
             let (sum, freedom) = of(level);
             let variance = (sum + PRIOR_FREEDOM * common) / (freedom + PRIOR_FREEDOM);
-            level.members.iter().for_each(|member| relative[*member] = (variance / common).sqrt());
+            level.iter().for_each(|member| relative[*member] = (variance / common).sqrt());
         }
     }
     relative
@@ -91,5 +142,19 @@ pub fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
 /// Sum of squares of the means of groups of readings about the model.
 fn between(groups: &[Level], fit: &LinearFit) -> f64 {
     let residual = |member: usize| fit.standardised[member];
-    groups.iter().map(|group| group.members.len() as f64 * mean(group, residual).powi(2)).sum()
+    groups.iter().map(|group| group.len() as f64 * mean(group, residual).powi(2)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_level_that_is_set_again_is_two_visits() {
+        let reading = |current_a: f64| Reading { current_a, field_nt: 0.0, time_s: 0.0 };
+        let readings: Vec<Reading> = [1.0, 1.0, -1.0, -1.0, 1.0].map(reading).to_vec();
+        let levels = levels(&readings);
+        assert_eq!(levels, [vec![2, 3], vec![0, 1, 4]]);
+        assert_eq!(visits(&levels), [vec![2, 3], vec![0, 1], vec![4]]);
+    }
 }

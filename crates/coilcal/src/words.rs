@@ -41,14 +41,10 @@ pub fn summary(document: &Document) -> String {
             lines.push(format!("    no recording covers {}, so it is not in the rms", band(gap)));
         }
         for line in &site.lines {
-            lines.push(format!(
-                "    line at {} Hz in {}, sensor {}: {} nT, {}",
-                significant(line.frequency_hz, 5),
-                line.recording,
-                line.sensor,
-                significant(line.amplitude_nt, 3),
-                line.name.as_deref().unwrap_or("no known source")
-            ));
+            let (hz, nt) = (significant(line.frequency_hz, 5), significant(line.amplitude_nt, 3));
+            let (recording, sensor) = (&line.recording, &line.sensor);
+            let name = line.name.as_deref().unwrap_or("no known source");
+            lines.push(format!("    line at {hz} Hz in {recording}, sensor {sensor}: {nt} nT, {name}"));
         }
     }
     let quietest = nulling.and_then(|nulling| nulling.quietest.as_ref());
@@ -59,7 +55,6 @@ pub fn summary(document: &Document) -> String {
     lines.join("\n")
 }
 
-/// The ends of a band of frequencies.
 fn band([low, high]: &[f64; 2]) -> String {
     format!("{} to {} Hz", significant(*low, 3), significant(*high, 3))
 }

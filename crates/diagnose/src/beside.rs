@@ -96,12 +96,6 @@ pub fn magnitude(
     Ok(Some(compared.diagnosis()))
 }
 
-/// What was recorded beside.
-fn covariates(document: &Document, recordings: &[String]) -> Vec<Covariate> {
-    let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
-    joined::beside(document, recordings).into_iter().map(of).collect()
-}
-
 /// All that the engine is asked of the recordings of a pair.
 fn asked(document: &Document, recordings: &[String], covariates: &[Covariate]) -> Asked {
     let given = unrecorded::working_hours(document, recordings).into_iter().collect();

@@ -40,7 +40,6 @@ use crate::matrix::{across, alike, bands, constancy, mutual, regression, stabili
 use crate::noise::{contributions, difference, drift, reference_noise};
 
 use common::Document;
-use explain::Covariate;
 use paired::{Asked, residual};
 
 /// What is asked for.
@@ -53,9 +52,7 @@ pub struct Options {
 /// Holds the test instrument against the reference and writes what is found to `calibration.differential`.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let recorded = joined::read(&document)?;
-    let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
-    let covariates: Vec<Covariate> =
-        joined::beside(&document, &recorded.recordings).into_iter().map(of).collect();
+    let covariates = joined::beside(&document, &recorded.recordings);
     let asked =
         Asked { covariates: covariates.clone(), correct_clock: options.correct_clock, ..Asked::default() };
     let found = paired::find(&recorded, asked, &|_| ())?;

@@ -1,25 +1,17 @@
 //! Temperatures, voltages, currents and whatever else was recorded beside readings of fields.
 
 use common::{Document, Recording};
+use explain::Covariate;
 
-/// A column at its own times.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Beside {
-    /// Its name; with the recording's id where another recording has one of the same name at the same time.
-    pub name: String,
-    /// Times of its samples from the earliest start on, s.
-    pub time_s: Vec<f64>,
-    /// Its samples; none is missing.
-    pub values: Vec<f64>,
-}
-
-/// What some recordings hold besides times, fields and the outputs of sensors, as far as it changes.
-pub fn beside(document: &Document, recordings: &[String]) -> Vec<Beside> {
+/// What some recordings hold besides times, fields and the outputs of sensors, as far as it changes: by name,
+/// with the recording's id where another one has that name at the same time, and by times from the earliest
+/// start on.
+pub fn beside(document: &Document, recordings: &[String]) -> Vec<Covariate> {
     let recordings: Vec<&Recording> =
         document.recordings.iter().filter(|recording| recordings.contains(&recording.id)).collect();
     let starts = recordings.iter().filter_map(|recording| recording.start()).map(|start| start.unix_s);
     let earliest = starts.fold(f64::INFINITY, f64::min);
-    let mut all: Vec<Beside> = Vec::new();
+    let mut all: Vec<Covariate> = Vec::new();
     for recording in recordings {
         let origin_s = recording.start().map_or(0.0, |start| start.unix_s - earliest);
         let Some(own) = recording.column("time_s") else { continue };
@@ -29,7 +21,7 @@ pub fn beside(document: &Document, recordings: &[String]) -> Vec<Beside> {
             let (time_s, values): (Vec<f64>, Vec<f64>) =
                 known.map(|(t, value)| (t + origin_s, *value)).unzip();
             let Some(first) = time_s.first() else { continue };
-            let before = |have: &&mut Beside| have.name == *name && have.time_s.last() < Some(first);
+            let before = |have: &&mut Covariate| have.name == *name && have.time_s.last() < Some(first);
             match all.iter_mut().find(before) {
                 // Another piece of the same.
                 Some(have) => {
@@ -39,7 +31,7 @@ pub fn beside(document: &Document, recordings: &[String]) -> Vec<Beside> {
                 None => {
                     let taken = all.iter().any(|have| have.name == *name);
                     let name = if taken { format!("{name} of \"{}\"", recording.id) } else { name.clone() };
-                    all.push(Beside { name, time_s, values });
+                    all.push(Covariate { name, time_s, values });
                 }
             }
         }

@@ -4,7 +4,7 @@ use common::number::significant;
 use common::{Axis, Column};
 use estimate::tsqr::Tsqr;
 
-use crate::Error;
+use crate::{Error, Result};
 
 /// Two columns that are alike to this share of their changes are one.
 pub const ALIKE: f64 = 1e-12;
@@ -18,8 +18,8 @@ pub const IN_A_PLANE: &str = "the reference's x, y and z depend on each other: t
 
 /// Refuses a test instrument that is the reference or is in other units, and instruments of which two axes
 /// are one. `paths` are those of their first recordings.
-pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -> Result<(), Error> {
-    for (path, instrument, columns) in [(&paths[0], "reference", reference), (&paths[1], "test", test)] {
+pub fn check(paths: [&String; 2], reference: &[Column; 3], test: &[Column; 3]) -> Result<()> {
+    for (path, instrument, columns) in [(paths[0], "reference", reference), (paths[1], "test", test)] {
         for (i, j) in [(0, 1), (0, 2), (1, 2)] {
             let difference: Vec<f64> = columns[i].iter().zip(&columns[j]).map(|(a, b)| b - a).collect();
             if spread(&difference) <= ALIKE * spread(&columns[i]) {
@@ -31,7 +31,7 @@ pub fn check(paths: &[String; 2], reference: &[Column; 3], test: &[Column; 3]) -
             }
         }
     }
-    let path = &paths[1];
+    let path = paths[1];
     for (i, axis) in Axis::ALL.into_iter().enumerate() {
         for (j, other) in Axis::ALL.into_iter().enumerate() {
             let difference: Vec<f64> = reference[i].iter().zip(&test[j]).map(|(r, t)| t - r).collect();

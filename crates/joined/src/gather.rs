@@ -6,7 +6,9 @@ use common::{Axis, Column, Columns, Document, Recording, procedure};
 
 use super::grid::Grid;
 use super::piece::Piece;
-use super::{Error, Instrument, LEAST, NAMES, earliest, onto, order, read, times};
+use super::{
+    Error, Instrument, LEAST, NAMES, Result, earliest, of_procedure, onto, order, read, reads, times,
+};
 
 /// The column of a scalar magnetometer.
 const SCALAR: &str = "reference_nt";
@@ -26,7 +28,7 @@ pub struct Gathered {
 /// # Errors
 ///
 /// Recordings that have no moment in common; columns that are missing; times that are none.
-pub fn gathered(document: &Document) -> Result<Option<Gathered>, Error> {
+pub fn gathered(document: &Document) -> Result<Option<Gathered>> {
     let pair = pair(document)?;
     let with_scalar = scalar(pair.as_ref().map_or(document, |pair| &pair.document))?;
     Ok(match (pair, with_scalar) {
@@ -35,24 +37,13 @@ pub fn gathered(document: &Document) -> Result<Option<Gathered>, Error> {
     })
 }
 
-fn reads(recording: &Recording, name: &str) -> bool {
-    Axis::ALL.into_iter().any(|axis| recording.axis_column(name, axis, "nt").is_some())
-}
-
 /// Two vector magnetometers.
-fn pair(document: &Document) -> Result<Option<Gathered>, Error> {
-    let of_pair = |recording: &Recording| recording.procedure == procedure::DIFFERENTIAL;
-    let apart = document
-        .recordings
-        .iter()
-        .filter(|recording| of_pair(recording))
-        .any(|recording| reads(recording, NAMES[0]) != reads(recording, NAMES[1]));
-    if !apart {
+fn pair(document: &Document) -> Result<Option<Gathered>> {
+    let found = of_procedure(document, procedure::DIFFERENTIAL);
+    if found.iter().all(|(_, recording)| reads(recording, NAMES[0]) == reads(recording, NAMES[1])) {
         return Ok(None);
     }
     let pair = read(document)?;
-    let found: Vec<(usize, &Recording)> =
-        document.recordings.iter().enumerate().filter(|(_, recording)| of_pair(recording)).collect();
     let at: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
     let mut columns = Columns::new();
     columns.insert("time_s".into(), Column::from(at.clone()));
@@ -68,19 +59,14 @@ fn pair(document: &Document) -> Result<Option<Gathered>, Error> {
 }
 
 /// A vector magnetometer and a scalar one.
-fn scalar(document: &Document) -> Result<Option<Gathered>, Error> {
+fn scalar(document: &Document) -> Result<Option<Gathered>> {
     let vector_unit = |recording: &Recording| {
         let all = |unit: &&str| {
             Axis::ALL.into_iter().all(|axis| recording.axis_column("sensor", axis, unit).is_some())
         };
         ["nt", "v"].into_iter().find(all)
     };
-    let free: Vec<(usize, &Recording)> = document
-        .recordings
-        .iter()
-        .enumerate()
-        .filter(|(_, recording)| recording.procedure == procedure::FREE_RUN)
-        .collect();
+    let free = of_procedure(document, procedure::FREE_RUN);
     // In a coil, or in a field that is known, it is predicted by itself.
     let given = |recording: &Recording| {
         recording.columns.keys().any(|name| name.starts_with("coil_"))
@@ -89,16 +75,11 @@ fn scalar(document: &Document) -> Result<Option<Gathered>, Error> {
                 recording.column(&name).is_some() || recording.conditions.extra.contains_key(&name)
             })
     };
-    let vectors: Vec<(usize, &Recording)> = free
-        .iter()
-        .filter(|(_, of)| vector_unit(of).is_some() && of.column(SCALAR).is_none() && !given(of))
-        .copied()
-        .collect();
-    let scalars: Vec<(usize, &Recording)> = free
-        .iter()
-        .filter(|(_, of)| of.column(SCALAR).is_some() && vector_unit(of).is_none())
-        .copied()
-        .collect();
+    let only = |wanted: &dyn Fn(&Recording) -> bool| -> Vec<(usize, &Recording)> {
+        free.iter().filter(|(_, of)| wanted(of)).copied().collect()
+    };
+    let vectors = only(&|of| vector_unit(of).is_some() && of.column(SCALAR).is_none() && !given(of));
+    let scalars = only(&|of| of.column(SCALAR).is_some() && vector_unit(of).is_none());
     let (Some((_, first)), false) = (vectors.first(), scalars.is_empty()) else { return Ok(None) };
     let unit = vector_unit(first).unwrap_or("nt");
     let names = Axis::ALL.map(|axis| {
@@ -106,30 +87,25 @@ fn scalar(document: &Document) -> Result<Option<Gathered>, Error> {
         let expected = format!("`{name}`, as in \"{}\"", first.id);
         (name, expected)
     });
-    let all: Vec<(usize, &Recording)> = vectors.iter().chain(&scalars).copied().collect();
+    let all = [&vectors[..], &scalars[..]].concat();
     let start = earliest(&all)?;
-    let instrument = |name: &'static str,
-                      of: &[(usize, &Recording)],
-                      names: &[(String, String)]|
-     -> Result<Instrument, Error> {
-        let mut instrument = Instrument { name, pieces: Vec::new() };
-        for (index, recording) in of {
-            let path = format!("recordings[{index}]");
-            let origin_s = recording.start().zip(start).map_or(0.0, |(own, all)| own.unix_s - all.unix_s);
-            let time = times(recording, &path, origin_s)?;
-            instrument.pieces.extend(Piece::of(recording, &path, names, &time)?);
-        }
-        order(&mut instrument)?;
-        Ok(instrument)
-    };
+    let instrument =
+        |name: &'static str, of: &[(usize, &Recording)], names: &[(String, String)]| -> Result<Instrument> {
+            let mut instrument = Instrument { name, pieces: Vec::new() };
+            for (index, recording) in of {
+                let path = format!("recordings[{index}]");
+                let time = times(recording, &path, start)?;
+                instrument.pieces.extend(Piece::of(recording, &path, names, &time)?);
+            }
+            order(&mut instrument)?;
+            Ok(instrument)
+        };
     let vector = instrument("vector", &vectors, &names)?;
     let expected = format!("`{SCALAR}`, the readings of the scalar magnetometer");
     let scalar = instrument("scalar", &scalars, &[(SCALAR.to_string(), expected)])?;
     let grid = Grid::of(&scalar, &vector).ok_or_else(|| scalar.apart_from(&vector))?;
     let reads = [grid.read(&scalar), grid.read(&vector)];
-    let both =
-        |row: &usize| reads.iter().flat_map(|read| &read.columns).all(|column| column[*row].is_finite());
-    let together = (0..grid.rows).filter(both).count();
+    let together = grid.whole(&reads).iter().filter(|whole| **whole).count();
     if together < LEAST {
         let found =
             format!("{} in which the vector and the scalar magnetometer read", counted(together, "row"));
@@ -158,7 +134,7 @@ fn put(
     at: &[f64],
     mut columns: Columns,
     mut told: Vec<String>,
-) -> Result<Gathered, Error> {
+) -> Result<Gathered> {
     let start = earliest(found)?;
     let first = found.iter().find(|(_, of)| of.start().map(|own| own.unix_s) == start.map(|all| all.unix_s));
     let base = *first.unwrap_or(&found[0]);
@@ -178,15 +154,8 @@ fn put(
         table: None,
         ..kept.clone()
     };
-    told.insert(
-        0,
-        format!(
-            "\"{}\": {} joined at {} moments by their times",
-            joined.id,
-            counted(ids.len(), "recording"),
-            at.len()
-        ),
-    );
+    let (recordings, moments) = (counted(ids.len(), "recording"), at.len());
+    told.insert(0, format!("\"{}\": {recordings} joined at {moments} moments by their times", joined.id));
     let mut document = document.clone();
     let first = found.iter().map(|(index, _)| *index).min().unwrap_or(0);
     document.recordings[first] = joined;
@@ -253,10 +222,8 @@ mod tests {
                 for name in ["reference", "test"] {
                     let read = joined.axis_column(name, axis, "nt").expect("readings")[row];
                     let known = field(*t)[axis.index()];
-                    assert!(
-                        read.is_nan() || (read - known).abs() < 2e-3,
-                        "{name} {axis} {row}: {read} {known}"
-                    );
+                    let near = read.is_nan() || (read - known).abs() < 2e-3;
+                    assert!(near, "{name} {axis} {row}: {read} {known}");
                 }
             }
             let warm = joined.column("test_temperature_c").expect("temperatures")[row];
@@ -288,14 +255,9 @@ mod tests {
             |row: usize| (0..3).map(|axis| joined.column(SENSOR[axis]).expect("x")[row].powi(2)).sum::<f64>();
         let off = (0..time.len()).map(|row| known(row).sqrt() - length[row]).filter(|off| off.is_finite());
         assert!(off.map(f64::abs).fold(0.0, f64::max) < 0.05);
-        let error =
-            gathered(&document(vec![vector, scalar(5000.0)])).expect_err("never together").to_string();
-        assert!(
-            error.contains(
-                "readings of the vector instrument from 0 s to 9.983 min, of the scalar from 83.33 min"
-            ),
-            "{error}"
-        );
+        let never = gathered(&document(vec![vector, scalar(5000.0)])).expect_err("never together");
+        let said = "readings of the vector instrument from 0 s to 9.983 min, of the scalar from 83.33 min";
+        assert!(never.to_string().contains(said), "{never}");
     }
 
     #[test]
@@ -304,10 +266,8 @@ mod tests {
         let mut test = recording("b", procedure::DIFFERENTIAL, TEST, &even(100, 1.0, 0.0));
         test.columns.shift_remove("test_z_nt");
         let error = gathered(&document(vec![reference.clone(), test])).expect_err("a column").to_string();
-        assert!(
-            error.starts_with("recordings[1].columns: found no such column; expected `test_z_nt`"),
-            "{error}"
-        );
+        let said = "recordings[1].columns: found no such column; expected `test_z_nt`";
+        assert!(error.starts_with(said), "{error}");
         let later = recording("b", procedure::DIFFERENTIAL, TEST, &even(100, 1.0, 500.0));
         let error = gathered(&document(vec![reference.clone(), later])).expect_err("apart").to_string();
         assert!(error.contains("recordings that overlap in time"), "{error}");

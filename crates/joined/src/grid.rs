@@ -1,28 +1,26 @@
-//! Pieces of several instruments on one grid of times.
+//! Pieces of several instruments on one grid of times, and the rows between jumps of their times: in each the
+//! two clocks differ by an offset of its own.
 
 use common::Column;
+use common::number::{bare, significant};
 use estimate::even::EXACT;
-use estimate::resample::PASSBAND;
+use std::ops::Range;
 
 use super::Instrument;
-use super::piece::SAME_RATE;
-use crate::words;
+use super::piece::{Jump, SAME_RATE};
 
 /// Even times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
-    /// The first, s.
     pub start_s: f64,
-    /// From one to the next, s.
     pub step_s: f64,
-    /// How many.
     pub rows: usize,
 }
 
 /// An instrument on a grid.
-pub struct OnGrid<C = Vec<Column>> {
+pub struct OnGrid {
     /// Readings, NaN where missing.
-    pub columns: C,
+    pub columns: Vec<Column>,
     /// Whether a piece went through the filter.
     pub filtered: bool,
     /// What was done, in words.
@@ -30,10 +28,9 @@ pub struct OnGrid<C = Vec<Column>> {
 }
 
 impl OnGrid {
-    /// That of an instrument with three axes.
-    pub fn three(self) -> OnGrid<[Column; 3]> {
-        let columns = self.columns.try_into().unwrap_or_default();
-        OnGrid { columns, filtered: self.filtered, told: self.told }
+    /// The columns of an instrument with three axes.
+    pub fn three(self) -> [Column; 3] {
+        self.columns.try_into().unwrap_or_default()
     }
 }
 
@@ -55,14 +52,14 @@ impl Grid {
         })
     }
 
-    /// Time of a row, s.
     pub fn time_s(&self, row: usize) -> f64 {
         self.start_s + row as f64 * self.step_s
     }
 
-    /// The upper end of the band that the filter leaves alone, Hz.
-    pub fn passband_hz(&self) -> f64 {
-        PASSBAND * 0.5 / self.step_s
+    /// The rows in which all instruments read.
+    pub fn whole(&self, reads: &[OnGrid]) -> Vec<bool> {
+        let all = |row: usize| reads.iter().flat_map(|read| &read.columns).all(|one| one[row].is_finite());
+        (0..self.rows).map(all).collect()
     }
 
     /// An instrument's readings at these times.
@@ -76,7 +73,13 @@ impl Grid {
             let Some(read) = piece.read(&at, self.step_s) else { continue };
             if let Some(white) = read.white_share {
                 filtered = true;
-                told.push(words::filtered(instrument.name, piece.step_s, self.step_s, white));
+                told.push(format!(
+                    "the {} instrument's readings, {} s apart, were filtered to the grid of {} s: {} % of the rms of its white noise passes, and the noise is estimated below 0.9 of half the sampling rate",
+                    instrument.name,
+                    bare(piece.step_s),
+                    bare(self.step_s),
+                    significant(100.0 * white, 2)
+                ));
             }
             if read.rows == (0..self.rows) {
                 columns = read.columns;
@@ -89,4 +92,60 @@ impl Grid {
         told.dedup();
         OnGrid { columns, filtered, told }
     }
+}
+
+/// Rows in which no instrument's times jump.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Segment {
+    /// The rows.
+    pub rows: Range<usize>,
+    /// How much later the test instrument's times are here than in the segment that all are compared with, s;
+    /// zero until somebody finds it.
+    pub late_s: f64,
+}
+
+/// A jump on the grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// First row after it.
+    pub row: usize,
+    /// Name of the instrument whose times jump; None where both have the same times.
+    pub instrument: Option<&'static str>,
+    /// How.
+    pub jump: Jump,
+}
+
+/// Where the times of reference or test instrument do something, in the order of rows.
+pub fn on_grid(
+    grid: &Grid,
+    [reference, test]: [&Instrument; 2],
+    jumps: impl Fn(&Instrument) -> Vec<Jump>,
+) -> Vec<Boundary> {
+    let [of_reference, of_test] = [reference, test].map(jumps);
+    let mut found: Vec<Boundary> = Vec::new();
+    for (instrument, jumps, others) in
+        [(reference.name, &of_reference, &of_test), (test.name, &of_test, &of_reference)]
+    {
+        for jump in jumps {
+            let shared = others.contains(jump);
+            let row = ((jump.at_s - grid.start_s) / grid.step_s - EXACT).ceil();
+            if !(row > 0.0 && row < grid.rows as f64) || (shared && instrument == test.name) {
+                continue;
+            }
+            let instrument = (!shared).then_some(instrument);
+            found.push(Boundary { row: row as usize, instrument, jump: jump.clone() });
+        }
+    }
+    found.sort_by_key(|boundary| boundary.row);
+    found
+}
+
+/// The rows between jumps that one instrument has and the other has not.
+pub fn segments(rows: usize, boundaries: &[Boundary]) -> Vec<Segment> {
+    let mut starts: Vec<usize> =
+        boundaries.iter().filter(|of| of.instrument.is_some()).map(|of| of.row).collect();
+    starts.insert(0, 0);
+    starts.dedup();
+    let ends: Vec<usize> = starts.iter().skip(1).copied().chain([rows]).collect();
+    starts.into_iter().zip(ends).map(|(from, to)| Segment { rows: from..to, late_s: 0.0 }).collect()
 }

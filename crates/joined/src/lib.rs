@@ -12,6 +12,7 @@
 use common::number::{counted, duration};
 use common::time::Start;
 use common::{Axis, Column, Document, Gap, NoiseOfSensors, Recording, procedure};
+use estimate::resample::PASSBAND;
 use physics::memory::bridged;
 
 mod beside;
@@ -21,19 +22,19 @@ mod grid;
 mod main_field;
 mod piece;
 mod reading;
-mod segments;
-mod words;
 
-pub use beside::{Beside, beside};
+pub use beside::beside;
 pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
 pub use common::Error;
 pub use gather::{Gathered, gathered};
-use grid::Grid;
+pub use grid::{Boundary, Segment};
+use grid::{Grid, OnGrid};
 pub use main_field::state_main_field;
 pub use piece::Jump;
 use piece::Piece;
 pub use reading::{Onto, Reading, Way, onto, read_at, usual_step_s};
-pub use segments::{Boundary, Segment};
+
+type Result<T, E = Error> = std::result::Result<T, E>;
 
 const DAY_S: f64 = 86_400.0;
 /// Fewer samples than these say nothing.
@@ -76,17 +77,26 @@ impl Instrument {
         self.longest().step_s
     }
 
+    fn jumps(&self) -> Vec<Jump> {
+        self.pieces.iter().filter_map(|piece| piece.jump.clone()).collect()
+    }
+
+    /// Where its times leave rows out, or go on in another recording: whether rows are missing or a clock was
+    /// set the times do not say.
+    fn pauses(&self) -> Vec<Jump> {
+        let next = self.pieces.windows(2).filter(|pair| pair[1].jump.is_none());
+        let between = next.map(|pair| {
+            let all_s = pair[1].start_s - pair[0].end_s() - pair[1].step_s;
+            Jump::pause(&pair[1].id, 0, pair[1].start_s, all_s)
+        });
+        self.pieces.iter().flat_map(|piece| piece.pauses.clone()).chain(between).collect()
+    }
+
     /// That it has no moment in common with another.
     fn apart_from(&self, other: &Self) -> Error {
-        let found = format!(
-            "readings of the {} instrument from {} to {}, of the {} from {} to {}",
-            other.name,
-            duration(other.start_s()),
-            duration(other.end_s()),
-            self.name,
-            duration(self.start_s()),
-            duration(self.end_s())
-        );
+        let times = |of: &Self| format!("from {} to {}", duration(of.start_s()), duration(of.end_s()));
+        let (one, two) = (times(other), times(self));
+        let found = format!("readings of the {} instrument {one}, of the {} {two}", other.name, self.name);
         let expected = "recordings that overlap in time; look at `start` and at the clocks";
         Error::document(format!("{}.columns.time_s", other.pieces[0].path), found, expected)
     }
@@ -166,7 +176,7 @@ impl Pair {
     pub fn cut(&mut self, at: Vec<Boundary>) {
         self.boundaries.extend(at);
         self.boundaries.sort_by_key(|boundary| boundary.row);
-        self.segments = segments::segments(self.whole.len(), &self.boundaries);
+        self.segments = grid::segments(self.whole.len(), &self.boundaries);
     }
 
     /// Some of its rows, as one segment.
@@ -250,51 +260,53 @@ impl Pair {
 
 /// Reads the differential recordings of a document: both instruments in one, each in its own, several pieces
 /// of each.
-pub fn read(document: &Document) -> Result<Pair, Error> {
-    let found: Vec<(usize, &Recording)> = document
-        .recordings
-        .iter()
-        .enumerate()
-        .filter(|(_, recording)| recording.procedure == procedure::DIFFERENTIAL)
-        .collect();
+pub fn read(document: &Document) -> Result<Pair> {
+    let found = of_procedure(document, procedure::DIFFERENTIAL);
     let (first, _) = *found.first().ok_or_else(|| Error::Request(NOTHING.into()))?;
     let start = earliest(&found)?;
     let mut instruments = NAMES.map(|name| Instrument { name, pieces: Vec::new() });
     for (index, recording) in &found {
         let path = format!("recordings[{index}]");
-        let origin_s =
-            recording.start().zip(start).map_or(0.0, |(own, earliest)| own.unix_s - earliest.unix_s);
-        let time = times(recording, &path, origin_s)?;
-        for number in read_by(recording, &path)? {
-            instruments[number].pieces.extend(Piece::of(recording, &path, &columns(NAMES[number]), &time)?);
+        let time = times(recording, &path, start)?;
+        if !NAMES.iter().any(|name| reads(recording, name)) {
+            let expected = "`reference_x_nt`, … or `test_x_nt`, …: the readings of an instrument";
+            return Err(Error::document(format!("{path}.columns"), "no such column", expected));
+        }
+        for Instrument { name, pieces } in &mut instruments {
+            if reads(recording, name) {
+                let columns = Axis::ALL.map(|axis| {
+                    let column = format!("{name}_{axis}_nt");
+                    let expected = format!("`{column}`, the readings of the {name} instrument along {axis}");
+                    (column, expected)
+                });
+                pieces.extend(Piece::of(recording, &path, &columns, &time)?);
+            }
         }
     }
-    for instrument in &mut instruments {
-        order(instrument)?;
-    }
-    let [reference, test, third] = instruments;
-    for instrument in [&reference, &test] {
-        if instrument.pieces.is_empty() {
-            let name = instrument.name;
+    instruments.iter_mut().try_for_each(order)?;
+    for Instrument { name, pieces } in &instruments[..2] {
+        if pieces.is_empty() {
             let expected =
                 format!("`{name}_x_nt`, … of the {name} instrument, in this recording or in one of its own");
             return Err(Error::document(format!("recordings[{first}].columns"), "no such column", expected));
         }
     }
-    join(&found, [reference, test, third])
+    join(&found, &instruments)
 }
 
-/// The columns of an instrument, and what is expected where one is missing.
-fn columns(instrument: &str) -> [(String, String); 3] {
-    Axis::ALL.map(|axis| {
-        let name = format!("{instrument}_{axis}_nt");
-        let expected = format!("`{name}`, the readings of the {instrument} instrument along {axis}");
-        (name, expected)
-    })
+/// The recordings of a procedure, with their places in the document.
+fn of_procedure<'a>(document: &'a Document, procedure: &str) -> Vec<(usize, &'a Recording)> {
+    let all = document.recordings.iter().enumerate();
+    all.filter(|(_, recording)| recording.procedure == procedure).collect()
+}
+
+/// Whether a recording has readings of an instrument.
+fn reads(recording: &Recording, instrument: &str) -> bool {
+    Axis::ALL.into_iter().any(|axis| recording.axis_column(instrument, axis, "nt").is_some())
 }
 
 /// The earliest `start`. Recordings on a clock of the day and on the campaign's clock do not go together.
-fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
+fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>> {
     let with = found.iter().find(|(_, recording)| recording.start().is_some());
     let without = found.iter().find(|(_, recording)| recording.start().is_none());
     if let (Some((with, _)), Some((without, _))) = (with, without) {
@@ -308,7 +320,7 @@ fn earliest(found: &[(usize, &Recording)]) -> Result<Option<Start>, Error> {
 }
 
 /// The times of a recording that is long enough for a fit, from the common zero.
-fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
+fn times(recording: &Recording, path: &str, zero: Option<Start>) -> Result<Vec<f64>> {
     recording.at_hand(path)?;
     let rows = recording.rows();
     if rows < LEAST {
@@ -316,11 +328,12 @@ fn times(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, E
         let expected = "at least five: a regression has four unknowns for each axis";
         return Err(Error::document(format!("{path}.columns"), found, expected));
     }
+    let origin_s = recording.start().zip(zero).map_or(0.0, |(own, zero)| own.unix_s - zero.unix_s);
     rising(recording, path, origin_s)
 }
 
 /// The times of a recording, from the common zero: all there, and rising.
-fn rising(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, Error> {
+fn rising(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>> {
     recording.at_hand(path)?;
     let Some(time) = recording.column("time_s") else {
         let expected = "`time_s`: samples are put together by their times";
@@ -339,20 +352,8 @@ fn rising(recording: &Recording, path: &str, origin_s: f64) -> Result<Vec<f64>, 
     Ok(time.iter().map(|t| t + origin_s).collect())
 }
 
-/// The instruments, by their places in [`NAMES`], that a recording has columns of.
-fn read_by(recording: &Recording, path: &str) -> Result<Vec<usize>, Error> {
-    let has =
-        |name: &str| Axis::ALL.into_iter().any(|axis| recording.axis_column(name, axis, "nt").is_some());
-    let numbers: Vec<usize> = (0..NAMES.len()).filter(|number| has(NAMES[*number])).collect();
-    if numbers.is_empty() {
-        let expected = "`reference_x_nt`, … or `test_x_nt`, …: the readings of an instrument";
-        return Err(Error::document(format!("{path}.columns"), "no such column", expected));
-    }
-    Ok(numbers)
-}
-
 /// Sorts the pieces of an instrument by time and refuses those that overlap.
-fn order(instrument: &mut Instrument) -> Result<(), Error> {
+fn order(instrument: &mut Instrument) -> Result<()> {
     instrument.pieces.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
     for pair in instrument.pieces.windows(2) {
         if pair[1].start_s <= pair[0].end_s() {
@@ -372,9 +373,9 @@ fn order(instrument: &mut Instrument) -> Result<(), Error> {
 }
 
 /// The instruments on one grid.
-fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]) -> Result<Pair, Error> {
-    let path = test.pieces[0].path.clone();
-    let Some(grid) = Grid::of(&reference, &test) else { return Err(reference.apart_from(&test)) };
+fn join(found: &[(usize, &Recording)], [reference, test, third]: &[Instrument; 3]) -> Result<Pair> {
+    let path = &test.pieces[0].path;
+    let grid = Grid::of(reference, test).ok_or_else(|| reference.apart_from(test))?;
     let sparse = |together: usize| {
         let found = format!("readings of both instruments at {together} of {} moments", grid.rows);
         let expected = "gaps shorter than what was recorded; keep the longest part without large gaps, or mend a wrong time";
@@ -385,13 +386,11 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     if most.saturating_mul(WHOLE) < grid.rows {
         return Err(sparse(most));
     }
-    let boundaries = segments::boundaries(&grid, &reference, &test);
-    let pauses = segments::pauses(&grid, &reference, &test);
-    let paths = [reference.pieces[0].path.clone(), path.clone()];
-    let reads = [&reference, &test].map(|instrument| grid.read(instrument).three());
-    let whole: Vec<bool> = (0..grid.rows)
-        .map(|row| reads.iter().flat_map(|read| &read.columns).all(|column| column[row].is_finite()))
-        .collect();
+    let boundaries = grid::on_grid(&grid, [reference, test], Instrument::jumps);
+    let pauses = grid::on_grid(&grid, [reference, test], Instrument::pauses);
+    let paths = [&reference.pieces[0].path, path];
+    let reads = [reference, test].map(|instrument| grid.read(instrument));
+    let whole = grid.whole(&reads);
     let together = whole.iter().filter(|whole| **whole).count();
     if together < LEAST {
         let found = format!("{} in which both instruments read", counted(together, "row"));
@@ -401,25 +400,24 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
     if together * WHOLE < grid.rows {
         return Err(sparse(together));
     }
-    let [reference, test] = reads;
-    check::check(&paths, &reference.columns, &test.columns)?;
-    let third = (!third.pieces.is_empty()).then(|| grid.read(&third).three());
-    let mut told = reference.told;
-    told.extend(test.told);
-    told.extend(third.iter().flat_map(|third| third.told.clone()));
+    let third = (!third.pieces.is_empty()).then(|| grid.read(third));
+    let mut told = reads.iter().chain(&third).flat_map(|read| read.told.clone()).collect::<Vec<_>>();
     // One recording with several instruments says the same of each.
     told.dedup();
+    let filtered = reads.iter().any(|read| read.filtered);
+    let [reference, test] = reads.map(OnGrid::three);
+    check::check(paths, &reference, &test)?;
     let rows: Vec<f64> = (0..grid.rows).map(|row| row as f64).collect();
     let mut pair = Pair {
         recordings: found.iter().map(|(_, recording)| recording.id.clone()).collect(),
         first_s: grid.time_s(0),
         step_s: grid.step_s,
-        highest_hz: (reference.filtered || test.filtered).then(|| grid.passband_hz()),
-        reference: reference.columns,
-        test: test.columns.into(),
-        third: third.map(|third| third.columns.map(|column| bridged(&rows, column.into()).into())),
+        highest_hz: filtered.then(|| PASSBAND * 0.5 / grid.step_s),
+        reference,
+        test: test.into(),
+        third: third.map(|third| third.three().map(|column| bridged(&rows, column.into()).into())),
         reference_noise: reference_noise(found)?,
-        segments: segments::segments(whole.len(), &boundaries),
+        segments: grid::segments(whole.len(), &boundaries),
         boundaries,
         pauses,
         whole,
@@ -432,7 +430,7 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: [Instrument; 3]
 }
 
 /// The noise of the reference that a recording declares, which is that of all.
-fn reference_noise(found: &[(usize, &Recording)]) -> Result<Option<NoiseOfSensors>, Error> {
+fn reference_noise(found: &[(usize, &Recording)]) -> Result<Option<NoiseOfSensors>> {
     let declared = |(index, recording): &(usize, &Recording)| {
         recording.conditions.reference_noise.clone().map(|noise| (*index, noise))
     };

@@ -3,14 +3,14 @@
 
 use std::ops::Range;
 
-use common::number::{counted, duration};
+use common::number::{bare, counted, duration, significant};
 use common::{Column, Recording};
 use estimate::cadence::Cadence;
 use estimate::even::{EXACT, Places};
 use estimate::resample::{Resampled, resample};
 
 use super::LEAST;
-use crate::{Error, words};
+use crate::{Error, Result};
 
 /// Steps that differ by less than this share are of one rate.
 pub const SAME_RATE: f64 = 1e-4;
@@ -31,11 +31,8 @@ pub struct Read {
 pub struct Piece {
     /// JSON path of the recording.
     pub path: String,
-    /// Its id.
     pub id: String,
-    /// Time of the first row, s.
     pub start_s: f64,
-    /// From one row to the next, s.
     pub step_s: f64,
     /// Its columns; NaN where a reading is missing.
     pub columns: Vec<Column>,
@@ -48,7 +45,6 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// Time of the last row, s.
     pub fn end_s(&self) -> f64 {
         self.start_s + self.step_s * (self.columns[0].len() - 1) as f64
     }
@@ -85,36 +81,34 @@ impl Piece {
         path: &str,
         names: &[(String, String)],
         time: &[f64],
-    ) -> Result<Vec<Self>, Error> {
+    ) -> Result<Vec<Self>> {
         let columns = names.iter().map(|name| column(recording, path, name)).collect::<Result<_, _>>()?;
         cut(time, columns, path, &recording.id)
     }
 }
 
 /// The pieces between jumps of the times.
-pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Vec<Piece>, Error> {
+pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Vec<Piece>> {
     let Some(cadence) = Cadence::of(time) else {
         return Ok(vec![place(time, columns, path, id)?]);
     };
     if cadence.jumps.is_empty() {
-        let pauses = pauses(time, 0, cadence.step_s, path, id);
+        let pauses = pauses(time, 0, cadence.step_s, id);
         return Ok(vec![Piece { pauses, ..place(time, columns, path, id)? }]);
     }
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
         let columns = columns.iter().map(|column| column[rows.clone()].to_vec().into()).collect();
         let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]);
-        let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, path, id);
+        let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, id);
         let piece = place(&time[rows], columns, path, id)?;
         let jump = jump.map(|jump| Jump {
             recording: id.to_owned(),
-            path: path.to_owned(),
             row: jump.row,
             at_s: time[jump.row],
             by_s: jump.by_s,
             std_s: jump.std_s,
             all_s: jump.interval_s - cadence.step_s,
-            step_s: cadence.step_s,
         });
         pieces.push(Piece { jump, pauses, ..piece });
     }
@@ -122,18 +116,10 @@ pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<V
 }
 
 /// Intervals of more than one step; `first` is the row of the recording with which these times begin.
-fn pauses(time: &[f64], first: usize, step_s: f64, path: &str, id: &str) -> Vec<Jump> {
-    let long = |row: &usize| ((time[*row] - time[row - 1]) / step_s).round() > 1.0;
-    let pause = |row: usize| Jump {
-        recording: id.to_owned(),
-        path: path.to_owned(),
-        row: first + row,
-        at_s: time[row],
-        by_s: 0.0,
-        std_s: 0.0,
-        all_s: time[row] - time[row - 1] - step_s,
-        step_s,
-    };
+fn pauses(time: &[f64], first: usize, step_s: f64, id: &str) -> Vec<Jump> {
+    let interval_s = |row: usize| time[row] - time[row - 1];
+    let long = |row: &usize| (interval_s(*row) / step_s).round() > 1.0;
+    let pause = |row: usize| Jump::pause(id, first + row, time[row], interval_s(row) - step_s);
     (1..time.len()).filter(long).map(pause).collect()
 }
 
@@ -142,7 +128,7 @@ fn pauses(time: &[f64], first: usize, step_s: f64, path: &str, id: &str) -> Vec<
 /// # Errors
 ///
 /// Times with a gap so long that hardly any row of the grid would be a recorded one: a clock that was set.
-fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Piece, Error> {
+fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Piece> {
     let Some(places) = Places::of(time) else {
         let expected = "at least two times that rise";
         return Err(Error::document(format!("{path}.columns.time_s"), counted(time.len(), "row"), expected));
@@ -177,11 +163,15 @@ fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Pie
     }
     let step_s = places.mean_step_s(time);
     let columns = columns.iter().map(|column| places.interpolated(time, column, step_s).into()).collect();
-    let told = Some(words::uneven(id, places.scatter_s, step_s));
+    let told = Some(format!(
+        "\"{id}\": its times are uneven by up to {} s; its readings were interpolated to steps of {} s, which attenuates their noise unevenly",
+        significant(places.scatter_s, 2),
+        bare(step_s)
+    ));
     Ok(Piece { start_s: time[0], step_s, columns, told, ..piece })
 }
 
-fn column(recording: &Recording, path: &str, (name, expected): &(String, String)) -> Result<Column, Error> {
+fn column(recording: &Recording, path: &str, (name, expected): &(String, String)) -> Result<Column> {
     let Some(column) = recording.columns.get(name) else {
         return Err(Error::document(format!("{path}.columns"), "no such column", expected.clone()));
     };
@@ -203,8 +193,6 @@ fn column(recording: &Recording, path: &str, (name, expected): &(String, String)
 pub struct Jump {
     /// Id of the recording.
     pub recording: String,
-    /// JSON path of the recording.
-    pub path: String,
     /// First row of the recording after it.
     pub row: usize,
     /// The time of that row, s.
@@ -215,29 +203,39 @@ pub struct Jump {
     pub std_s: f64,
     /// How much later they are if the sampling went on, s: the interval less one step.
     pub all_s: f64,
-    /// The usual step there, s.
-    pub step_s: f64,
+}
+
+impl Jump {
+    /// Rows that are left out, or the beginning of another recording.
+    pub fn pause(recording: &str, row: usize, at_s: f64, all_s: f64) -> Self {
+        Self { recording: recording.to_owned(), row, at_s, by_s: 0.0, std_s: 0.0, all_s }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// A straight line in three columns.
+    fn columns(time: &[f64]) -> Vec<Column> {
+        vec![time.iter().map(|t| 5.0 + 0.5 * t).collect(); 3]
+    }
+
     fn placed(time: &[f64]) -> Piece {
-        let column: Column = time.iter().map(|t| 5.0 + 0.5 * t).collect();
-        place(time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("placed")
+        place(time, columns(time), "recordings[0]", "it").expect("placed")
+    }
+
+    fn pieces(time: &[f64]) -> Vec<Piece> {
+        cut(time, columns(time), "recordings[0]", "it").expect("cut")
     }
 
     #[test]
     fn a_clock_that_was_set_is_told_by_its_row() {
         let time: Vec<f64> = (0..40).map(|row| f64::from(row) + if row < 20 { 0.0 } else { 1.7e9 }).collect();
-        let column = Column::from(vec![1.0; 40]);
-        let refused = place(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it");
-        let said = refused.err().expect("refused").to_string();
-        assert!(
-            said.starts_with("recordings[0].columns.time_s[20]: found 19680 days from row 19 to row 20"),
-            "{said}"
-        );
+        let refused = place(&time, columns(&time), "recordings[0]", "it");
+        let said = "recordings[0].columns.time_s[20]: found 19680 days from row 19 to row 20";
+        let refused = refused.err().expect("refused").to_string();
+        assert!(refused.starts_with(said), "{refused}");
     }
 
     #[test]
@@ -267,9 +265,7 @@ mod tests {
     #[test]
     fn times_that_jump_are_cut_and_not_spread() {
         let time: Vec<f64> = (0..400).map(|k| f64::from(k) + if k < 150 { 0.0 } else { 0.4 }).collect();
-        let column: Column = time.iter().map(|t| 5.0 + 0.5 * t).collect();
-        let pieces =
-            cut(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
+        let pieces = pieces(&time);
         assert_eq!(pieces.len(), 2);
         assert!(pieces.iter().all(|piece| piece.told.is_none() && (piece.step_s - 1.0).abs() < 1e-9));
         assert!((pieces[1].start_s - 150.4).abs() < 1e-9 && pieces[0].columns[0].len() == 150);
@@ -281,9 +277,7 @@ mod tests {
     fn rounded_times_are_even() {
         for (step, digit) in [(0.100_3, 1e-3), (1.000_03, 1e-3), (0.016_667, 1e-6), (0.003_333, 1e-3)] {
             let time: Vec<f64> = (0..3000).map(|k| (f64::from(k) * step / digit).round() * digit).collect();
-            let column: Column = time.iter().map(|t| 5.0 + 0.5 * t).collect();
-            let pieces =
-                cut(&time, vec![column.clone(), column.clone(), column], "recordings[0]", "it").expect("cut");
+            let pieces = pieces(&time);
             assert!(pieces.len() == 1 && pieces[0].told.is_none(), "{step} {digit}");
             assert!((pieces[0].step_s / step - 1.0).abs() < 1e-4);
         }

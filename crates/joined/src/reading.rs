@@ -5,7 +5,7 @@ use estimate::even::{GAP, interpolated};
 use estimate::stats::median;
 
 use super::piece::cut;
-use crate::{Error, earliest, rising};
+use crate::{Result, earliest, rising};
 
 /// Times as near as this, s, are one.
 const SAME_S: f64 = 5e-7;
@@ -51,7 +51,7 @@ pub fn read_at(
     values: &[f64],
     at: &[f64],
     step_s: f64,
-) -> Result<Reading, Error> {
+) -> Result<Reading> {
     let there = || time.iter().zip(values).filter(|(_, value)| value.is_finite());
     let (time, values): (Vec<f64>, Vec<f64>) = there().map(|(time, value)| (*time, *value)).unzip();
     let Some(own_s) = usual_step_s(&time) else {
@@ -117,7 +117,7 @@ pub fn onto(
     other: (usize, &Recording),
     at: &[f64],
     wanted: impl Fn(&str) -> bool,
-) -> Result<Onto, Error> {
+) -> Result<Onto> {
     earliest(&[base, other])?;
     let ahead_s = other.1.start().zip(base.1.start()).map_or(0.0, |(own, base)| own.unix_s - base.unix_s);
     let path = format!("recordings[{}]", other.0);
@@ -151,14 +151,8 @@ mod tests {
         let at: Vec<f64> = (0..180).map(|k| 100.0 + 10.0 * f64::from(k)).collect();
         let slow = read(&time, &sine(&time, 200.0), &at, 10.0);
         assert_eq!(slow.way, Way::BandLimited);
-        let slow = slow.values;
-        let inner = 30..150;
-        assert!(
-            slow[inner.clone()]
-                .iter()
-                .zip(&sine(&at, 200.0)[inner.clone()])
-                .all(|(a, b)| (a - b).abs() < 1e-3)
-        );
+        let (inner, known) = (30..150, sine(&at, 200.0));
+        assert!(inner.clone().all(|row| (slow.values[row] - known[row]).abs() < 1e-3));
         // A period of 3.3 s would fold to 33 s with rows taken as they are.
         let fast = read(&time, &sine(&time, 3.3), &at, 10.0).values;
         assert!(fast[inner].iter().all(|value| value.abs() < 1e-3));

@@ -30,8 +30,7 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     }
     let level = readings.level()?;
     let ids: Vec<String> = series.iter().map(|one| one.id.clone()).collect();
-    let of = |one: joined::Beside| Covariate { name: one.name, time_s: one.time_s, values: one.values };
-    let covariates: Vec<Covariate> = joined::beside(document, &ids).into_iter().map(of).collect();
+    let covariates = joined::beside(document, &ids);
     let asked = Asked { covariates: covariates.clone(), ..Asked::default() };
     let of = paired::find(&readings.pair(&level), asked, &|_| ())?.explained(&|_| ())?;
     let (base, last) = (&of.explained.base[0], of.problem.base.len());

@@ -65,12 +65,10 @@ pub fn one(kind: Kind, sensor: Axis, parameters: IndexMap<String, Quantity>) -> 
     }
 }
 
-/// The path of a parameter of such an effect.
 pub fn path(kind: Kind, sensor: Axis, parameter: &str) -> String {
     uncertainty::effect(&one(kind, sensor, IndexMap::new()), parameter)
 }
 
-/// Whether fields across change a sensor.
 pub fn across_matters(calibration: &SensorCalibration) -> bool {
     let test = calibration.cross_field.as_ref().and_then(|cross| cross.significance);
     test.is_some_and(|test| test.p_value < FOUND_BELOW)
@@ -80,13 +78,12 @@ pub fn across_matters(calibration: &SensorCalibration) -> bool {
 /// likely.
 fn across(cross: &CrossFieldFit, sensor: Axis, likely: [f64; 2]) -> Vec<AdoptedEffect> {
     let [offset, sensitivity] = effects::KINDS;
-    [(offset, &cross.offset, likely[0]), (sensitivity, &cross.sensitivity, likely[1])]
-        .into_iter()
-        .filter(|(_, found, _)| !found.is_empty())
-        .map(|(kind, found, likely)| {
-            let all = kind.parameters().iter();
-            let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, likely));
-            one(kind, sensor, all.map(|info| (info.name.to_string(), value(info.name))).collect())
-        })
-        .collect()
+    let both = [(offset, &cross.offset, likely[0]), (sensitivity, &cross.sensitivity, likely[1])];
+    let found = both.into_iter().filter(|(_, found, _)| !found.is_empty());
+    let effect = |(kind, found, likely): (Kind, &IndexMap<String, Quantity>, f64)| {
+        let all = kind.parameters().iter();
+        let value = |name: &str| found.get(name).cloned().unwrap_or(Quantity::new(0.0, likely));
+        one(kind, sensor, all.map(|info| (info.name.to_string(), value(info.name))).collect())
+    };
+    found.map(effect).collect()
 }

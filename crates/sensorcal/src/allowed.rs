@@ -6,11 +6,67 @@ use estimate::stats;
 use faer::{Mat, MatMut};
 use std::sync::Arc;
 
-use crate::Error;
-use crate::more::{Memory, More};
+use crate::{Error, Result};
 
 /// Covariances that weigh less than this are left out of further fits.
 pub const WEIGHTY: f64 = 1e-3;
+
+/// Where no noise is known: the probability beforehand that it is white alone, and the variances of flicker
+/// noise over that of white noise otherwise, alike. What has memory makes the wider intervals: with so much
+/// for it they hold in 95 % under flicker noise, and more often under white noise.
+const WHITE: f64 = 0.05;
+const RATIOS: [f64; 7] = [0.125, 0.5, 2.0, 8.0, 32.0, 128.0, 512.0];
+/// Variance of the field's noise over that of a sensor whose noise is known, where a coil makes the field.
+const FIELD: [f64; 4] = [0.25, 1.0, 4.0, 16.0];
+
+/// What has memory beside what is known.
+#[derive(Clone, Copy)]
+pub enum Memory {
+    Flicker,
+    /// A random walk, for what drifts.
+    Walk,
+}
+
+impl Memory {
+    /// The noise of that amplitude: density at 1 Hz, or variance in a second.
+    pub fn noise(self, amplitude: f64) -> Noise {
+        match self {
+            Memory::Flicker => Noise { flicker_nt2_per_hz_at_1hz: Some(amplitude), ..Noise::default() },
+            Memory::Walk => Noise { random_walk_nt_per_sqrt_s: Some(amplitude.sqrt()), ..Noise::default() },
+        }
+    }
+}
+
+/// Noise that is allowed for beside what is known, by its variance over that: white noise, and slow noise
+/// with memory.
+#[derive(Clone, Copy)]
+pub struct More {
+    pub white: f64,
+    pub slow: f64,
+    pub memory: Memory,
+    pub probability: f64,
+}
+
+impl More {
+    pub const NONE: More = More { white: 0.0, slow: 0.0, memory: Memory::Flicker, probability: 1.0 };
+
+    /// Of the field beside a sensor whose noise is known; with a walk where it drifts.
+    pub fn of_field(drifts: bool) -> impl Iterator<Item = Self> {
+        let with = |memory: Memory| {
+            let of = |size: &f64| [[0.5 * size, 0.5 * size], [0.0, *size]];
+            FIELD.iter().flat_map(of).map(move |[white, slow]| More { white, slow, memory, ..More::NONE })
+        };
+        let white = FIELD.iter().map(|white| More { white: *white, ..More::NONE });
+        white.chain(with(Memory::Flicker)).chain(with(Memory::Walk).filter(move |_| drifts))
+    }
+
+    /// Beside white noise of which nothing is known.
+    pub fn unknown() -> Vec<Self> {
+        let probability = (1.0 - WHITE) / RATIOS.len() as f64;
+        let flicker = RATIOS.map(|slow| More { slow, probability, ..More::NONE });
+        std::iter::once(More { probability: WHITE, ..More::NONE }).chain(flicker).collect()
+    }
+}
 
 /// The rows of one recording: how many, and when, where that is known.
 pub type Rows = (usize, Option<Vec<f64>>);
@@ -39,7 +95,6 @@ impl Root for InOnePass {
 /// Covariances that are allowed for.
 #[derive(Clone, Default)]
 pub struct Allowed {
-    /// One whitening for each covariance.
     pub whitenings: Vec<Whitening>,
     /// For each, the share of noise with memory in the variance of a reading.
     memory_shares: Vec<f64>,
@@ -60,8 +115,8 @@ impl Allowed {
         &mut self,
         recordings: &[Rows],
         probability: f64,
-        block: impl Fn(usize, usize) -> Result<(Vec<f64>, f64), Error>,
-    ) -> Result<(), Error> {
+        block: impl Fn(usize, usize) -> Result<(Vec<f64>, f64)>,
+    ) -> Result<()> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut blocks = Vec::new();
         let mut memory_share = 0.0;
@@ -78,7 +133,7 @@ impl Allowed {
 
     /// One more for long recordings, in one pass over the readings: what is known, and white noise and
     /// flicker noise besides, each with its variance over that of what is known.
-    pub fn add_long(&mut self, recordings: &[Rows], known: &[Noise], more: More) -> Result<(), Error> {
+    pub fn add_long(&mut self, recordings: &[Rows], known: &[Noise], more: More) -> Result<()> {
         let total: usize = recordings.iter().map(|(rows, _)| rows).sum();
         let mut groups: Vec<Arc<dyn Root>> = Vec::new();
         let mut memory_share = 0.0;
@@ -107,11 +162,8 @@ impl Allowed {
             }
             // As in the full matrix, flicker noise has a level, and a walk that is added has none: what is
             // slower belongs to the offset.
-            let level: f64 = noises
-                .iter()
-                .map(|noise| noise::mean_variance(noise, *rows, time))
-                .sum::<Result<f64, _>>()
-                .map_err(undetermined)?;
+            let each = noises.iter().map(|noise| noise::mean_variance(noise, *rows, time));
+            let level = each.sum::<Result<f64, _>>().map_err(undetermined)?;
             noises.extend(walk);
             let whitening = sum(&noises)?;
             let levelled = !whitening.is_white() && level > 0.0;
@@ -155,12 +207,10 @@ impl Allowed {
         Self { whitenings: whitenings.collect(), ..self.clone() }
     }
 
-    /// Whether this is the sensor's own noise alone.
     pub fn is_own(&self) -> bool {
         self.known && self.whitenings.len() == 1
     }
 
-    /// The sensor's own noise alone, where it is known.
     pub fn own(&self) -> Option<Self> {
         self.known.then(|| self.only(|at| at == 0))
     }
@@ -174,7 +224,6 @@ impl Allowed {
         }
     }
 
-    /// What a fit says of its noise.
     pub fn describe(&self, fit: &CorrelatedFit) -> FitNoise {
         let rms = (fit.residuals.iter().map(|r| r * r).sum::<f64>() / fit.residuals.len() as f64).sqrt();
         // The first covariance is the sensor's own noise, where that is known.
@@ -182,16 +231,12 @@ impl Allowed {
             let squares: f64 = white.apply_to(&fit.residuals).iter().map(|r| r * r).sum();
             squares / fit.freedom
         };
+        let shares = self.memory_shares.iter().zip(fit.mixture.weights());
         FitNoise {
             source: self.source.clone(),
             rms_nt: rms,
             variance_factor: self.whitenings.first().filter(|_| self.known).map(own),
-            flicker_share: self
-                .memory_shares
-                .iter()
-                .zip(fit.mixture.weights())
-                .map(|(share, weight)| share * weight)
-                .sum(),
+            flicker_share: shares.map(|(share, weight)| share * weight).sum(),
             degrees_of_freedom: fit.freedom,
             coverage_factor_95: stats::coverage_factor(0.95, fit.freedom),
         }

@@ -85,11 +85,11 @@ fn one(
     let together = 2.0 * reading * ko;
     let variance = (all.iter().map(|(_, std)| std * std).sum::<f64>() + together).max(0.0);
     let worst = all.iter().map(|(_, std)| 2.0 * std).sum();
-    let mut named: Vec<BudgetTerm> = all
-        .into_iter()
-        .filter(|(_, std)| *std > 0.0)
-        .map(|(term, std_nt)| BudgetTerm { term: term.into(), std_nt, share: std_nt * std_nt / variance })
-        .collect();
+    let term = |(term, std_nt): (&str, f64)| {
+        let share = std_nt * std_nt / variance;
+        BudgetTerm { term: term.into(), std_nt, share }
+    };
+    let mut named: Vec<BudgetTerm> = all.into_iter().filter(|(_, std)| *std > 0.0).map(term).collect();
     named.sort_by(|a, b| b.std_nt.total_cmp(&a.std_nt));
     ErrorBudget {
         field_nt: field,

@@ -7,10 +7,10 @@ use common::{Axis, Quantity, SensorCalibration, Uncertainty};
 use estimate::stats;
 use faer::{Mat, mat};
 
-use crate::Error;
 use crate::conditions::Conditions;
 use crate::reversal::Turned;
 use crate::sensitivity::{Constants, sensitivity_key};
+use crate::{Error, Result};
 
 /// Below this probability of a larger difference, the two offsets disagree.
 const DISAGREE_BELOW: f64 = 0.01;
@@ -28,7 +28,7 @@ pub fn into(
     (constants, turned): (Option<&Constants>, Option<&Turned>),
     conditions: &Conditions,
     (sensor, joint): (Axis, &mut Uncertainty),
-) -> Result<(), Error> {
+) -> Result<()> {
     let mut put = |block: Block| joint.put(block).map_err(Error::Unanswerable);
     let offset = uncertainty::sensor_offset(sensor);
     if let Some(constants) = constants {
@@ -126,11 +126,11 @@ fn joined(
     let p = stats::chi_squared_p(difference * difference / (variance + conditions.variance(&apart)), 1.0);
     if p < DISAGREE_BELOW {
         let std = (turned.covered_nt2() + conditions.variance(&by_turned)).sqrt();
+        let of_coil = (constants.offset_nt, constants.covariance[1][1].sqrt());
+        let [own, reversed] = [of_coil, (turned.offset_nt, std)].map(|(nt, std)| signed(&uncertain(nt, std)));
+        let p = p_value(p);
         let finding = format!(
-            "the offset in the coil is {} nT, by reversals {} nT: they disagree ({}); the reversals are used. The residual field of the coil, or the coil's offset, may be wrong",
-            signed(&uncertain(constants.offset_nt, constants.covariance[1][1].sqrt())),
-            signed(&uncertain(turned.offset_nt, std)),
-            p_value(p)
+            "the offset in the coil is {own} nT, by reversals {reversed} nT: they disagree ({p}); the reversals are used. The residual field of the coil, or the coil's offset, may be wrong"
         );
         // k as it was, O as the reversals have it.
         return ([0.0, 1.0], Some(finding));

@@ -1,11 +1,12 @@
 //! What temperatures do to a sensor, as it was found, for the other procedures.
 
+use common::Axis;
 use common::covariance::between;
 use common::uncertainty::{Block, by_themselves};
-use common::{Axis, Error};
 use faer::Mat;
 use physics::{Basic, Context, EffectInstance, Parameter, SensorConstants};
 
+use crate::Result;
 use crate::fit::KnownParameters;
 use crate::readings::Run;
 
@@ -35,7 +36,6 @@ impl Conditions {
         })
     }
 
-    /// Their parameters, as the chain's.
     fn parameters(&self) -> Vec<Parameter> {
         let effects = self.effects.iter().enumerate();
         effects
@@ -79,7 +79,7 @@ impl Conditions {
         context: &Context<'_>,
         sensor: Axis,
         path: &str,
-    ) -> Result<Option<Contribution>, Error> {
+    ) -> Result<Option<Contribution>> {
         if self.effects.is_empty() || !self.known_in(context) {
             return Ok(None);
         }

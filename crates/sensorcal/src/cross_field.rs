@@ -9,14 +9,11 @@
 use common::covariance::rows;
 use common::number::p_value;
 use common::uncertainty::Block;
-use common::{
-    Axis, CrossFieldFit, CrossFieldLevels, Document, FTest, FitNoise, Quantity, TestResult, procedure,
-};
+use common::{Axis, CrossFieldFit, CrossFieldLevels, FTest, FitNoise, Quantity, TestResult, procedure};
 use estimate::stats;
 use faer::{Col, Mat};
 use physics::Kind;
 
-use crate::Error;
 use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
@@ -26,18 +23,17 @@ use crate::leaning::{ACROSS, Across};
 use crate::levels;
 use crate::passes::{self, LeftOut};
 use crate::readings::{FULL_NT, Run, code_width, runs};
-use crate::shape::{Place, Shape};
+use crate::shape::{Place, Shape, Subject};
 use crate::sides::Sides;
 use crate::sizes::Sized;
+use crate::{Error, Result};
 
 /// A level has so many readings at least.
 const LEVEL: usize = 3;
 /// Fields across that are levels, and not a field that moves on its way, at most.
 const MOST_LEVELS: usize = 100;
 
-/// What was found of a sensor besides the coefficients.
 pub struct AcrossFindings {
-    /// The parameters as they were estimated.
     pub block: Block,
     /// Standard deviation of a parameter that was not seen, for each of [`effects::KINDS`], nT.
     pub likely: [f64; 2],
@@ -47,12 +43,11 @@ pub struct AcrossFindings {
 
 /// Coefficients of a sensor; None without a recording.
 pub fn coefficients(
-    document: &Document,
-    sensor: Axis,
-    noise: &dyn Fn(f64) -> Shape,
+    of: Subject<'_>,
     conditions: &Conditions,
     sides: &Sides,
-) -> Result<Option<(CrossFieldFit, AcrossFindings)>, Error> {
+) -> Result<Option<(CrossFieldFit, AcrossFindings)>> {
+    let Subject { document, sensor, .. } = of;
     let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
     if runs.is_empty() {
         return Ok(None);
@@ -68,7 +63,7 @@ pub fn coefficients(
             "`orientation` or `theodolite`, which give the directions of the transverse fields at the sensor";
         return Err(Error::document(format!("{}.conditions", run.path), found, expected));
     }
-    let shape = noise(code_width(document, &runs[0]) * runs[0].basic.sensors[sensor.index()].sensitivity);
+    let shape = of.shape(code_width(document, &runs[0]) * runs[0].basic.sensors[sensor.index()].sensitivity);
     let (effects, known) = conditions.effects_in(&runs);
     let mut knowns = fit::coils(document, &runs)?;
     knowns.extend(known);
@@ -170,7 +165,7 @@ fn levels_of(
     across: &Across,
     shape: &Shape,
     found: &mut CrossFieldFit,
-) -> Result<(), Error> {
+) -> Result<()> {
     let runs = lean.runs;
     let mut groups: Vec<(usize, Vec<usize>)> = Vec::new();
     let mut fields: Vec<Vec<f64>> = Vec::new();

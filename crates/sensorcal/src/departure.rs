@@ -6,7 +6,7 @@ use estimate::{linear, stats};
 use faer::Mat;
 use physics::{EffectInstance, Kind, Parameter};
 
-use crate::Error;
+use crate::Result;
 use crate::allowed::Allowed;
 use crate::fit::{Fit, Problem, Unknown};
 use crate::readings::Run;
@@ -34,7 +34,7 @@ pub struct Candidate {
 
 impl Candidate {
     /// A parameter of an effect of the catalogue, all others zero: its derivative there.
-    pub fn effect(kind: Kind, parameter: usize, runs: &[Run<'_>]) -> Result<Self, Error> {
+    pub fn effect(kind: Kind, parameter: usize, runs: &[Run<'_>]) -> Result<Self> {
         let column = runs.iter().map(|run| {
             let at = run.sensor.index();
             let effect = EffectInstance::new(kind, Some(run.sensor), vec![0.0; kind.parameters().len()]);
@@ -45,14 +45,14 @@ impl Candidate {
             let k = run.basic.sensors[at].sensitivity;
             Ok(derivatives[0].readings.iter().map(|derivative| k * derivative[at]).collect())
         });
-        let column = column.collect::<Result<_, Error>>()?;
+        let column = column.collect::<Result<_>>()?;
         Ok(Self { name: kind.name(), parameter: kind.parameters()[parameter].name, column })
     }
 }
 
 /// The noise that the residuals call for: where the sensor's noise is known and explains what is left beside
 /// the unknowns and all candidates, it alone.
-pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Allowed, Error> {
+pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Allowed> {
     let Some(own) = problem.allowed.own() else { return Ok(problem.allowed.clone()) };
     let fit = Problem { allowed: &own, ..problem.clone() }.solve()?;
     let mut wide = fit.design.clone();
@@ -89,13 +89,11 @@ pub struct Extended {
 ///
 /// A candidate is one more column beside the derivatives at the minimum, under the covariances that the fit
 /// gave some weight.
-pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Extended, Error> {
+pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Extended> {
     let mut fit = problem.solve()?;
-    let visible: Vec<(&Candidate, Vec<f64>)> = candidates
-        .iter()
-        .map(|candidate| (candidate, used(problem.runs, &candidate.column)))
-        .filter(|(_, column)| visible_share(&fit.design, column) > VISIBLE)
-        .collect();
+    let all = candidates.iter().map(|candidate| (candidate, used(problem.runs, &candidate.column)));
+    let visible: Vec<(&Candidate, Vec<f64>)> =
+        all.filter(|(_, column)| visible_share(&fit.design, column) > VISIBLE).collect();
     let count = visible.len() as f64;
     let mut extended: Vec<Unknown> = problem.unknowns.clone();
     let (mut departures, mut found, mut rivals) = (Vec::new(), Vec::<&'static str>::new(), Vec::new());
@@ -139,7 +137,7 @@ pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Ext
 
 /// The size of a column beside a fit, and the probability that it is zero; None where the column is not seen
 /// beside the others.
-fn beside_fit(fit: &Fit, allowed: &Allowed, column: &[f64]) -> Result<Option<(Quantity, f64)>, Error> {
+fn beside_fit(fit: &Fit, allowed: &Allowed, column: &[f64]) -> Result<Option<(Quantity, f64)>> {
     let (rows, unknowns) = (fit.design.nrows(), fit.design.ncols());
     if rows <= unknowns + 1 {
         return Ok(None);

@@ -5,7 +5,7 @@ use common::Axis;
 use nalgebra::Matrix3;
 use physics::{Kind, frames};
 
-use crate::Error;
+use crate::Result;
 use crate::departure::{Candidate, beside, used, visible_share};
 use crate::fit::Fit;
 use crate::readings::{FULL_NT, Run};
@@ -27,13 +27,12 @@ pub struct Sought {
 }
 
 impl Sought {
-    /// Its name in the catalogue.
     pub fn name(&self) -> &'static str {
         self.kind.parameters()[self.number].name
     }
 
     /// The same parameter where the directions are others.
-    fn again(&self, runs: &[Run<'_>]) -> Result<Self, Error> {
+    fn again(&self, runs: &[Run<'_>]) -> Result<Self> {
         Ok(Self { column: Candidate::effect(self.kind, self.number, runs)?.column, ..self.clone() })
     }
 }
@@ -60,13 +59,13 @@ fn largest(values: &[f64]) -> f64 {
 
 /// The parameters of the catalogue's effects that these recordings can tell apart, and those that they
 /// cannot.
-pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>), Error> {
+pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>)> {
     let (mut seen, mut unseen) = (Vec::new(), Vec::new());
     let mut wide = design.clone();
     for kind in KINDS {
         let all = (0..kind.parameters().len())
             .map(|number| Sought { kind, number, column: Vec::new() }.again(runs))
-            .collect::<Result<Vec<Sought>, Error>>()?;
+            .collect::<Result<Vec<Sought>>>()?;
         let most = all.iter().map(|one| largest(&used(runs, &one.column))).fold(0.0, f64::max);
         for one in all {
             let values = used(runs, &one.column);
@@ -113,7 +112,7 @@ pub fn unknown(
     (seen, unseen): (&[Sought], &[Sought]),
     (fit, first): (&Fit, usize),
     likely: [f64; 2],
-) -> Result<Vec<Vec<f64>>, Error> {
+) -> Result<Vec<Vec<f64>>> {
     let size = |kind: Kind| likely[usize::from(kind == KINDS[1])];
     // By themselves: what was not seen.
     let scaled = |column: Vec<f64>, size: f64| column.iter().map(|value| value * size).collect::<Vec<f64>>();
@@ -127,13 +126,10 @@ pub fn unknown(
         others.push(turned(runs, &directions.eta, angle));
     }
     for other in others {
-        let moved = |one: &Sought, size: f64| -> Result<Vec<f64>, Error> {
+        let moved = |one: &Sought, size: f64| -> Result<Vec<f64>> {
             let after = used(&other, &one.again(&other)?.column);
-            Ok(after
-                .iter()
-                .zip(used(runs, &one.column))
-                .map(|(after, before)| size * (after - before))
-                .collect())
+            let both = after.iter().zip(used(runs, &one.column));
+            Ok(both.map(|(after, before)| size * (after - before)).collect())
         };
         let mut sum = vec![0.0; fit.linear.residuals.len()];
         for (one, value) in seen.iter().zip(&fit.values[first..]) {

@@ -8,10 +8,10 @@ use estimate::gauss_newton::{Control, Damping, Descent, Minimum, Tolerance};
 use faer::{ColRef, Mat};
 use physics::{Basic, EffectInstance, Kind, Parameter};
 
-use crate::Error;
 use crate::allowed::{Allowed, Rows};
 use crate::readings::Run;
 use crate::shape::{Place, Shape};
+use crate::{Error, Result};
 
 /// The iteration: a step that moves no prediction by more than 1e-7 nT is the last one, and one may make the
 /// fit twice as bad under the first of the covariances, for it is the mean of those under all.
@@ -53,8 +53,7 @@ pub struct Problem<'a, 'b> {
     pub allowed: &'a Allowed,
 }
 
-/// The noise that is allowed for in runs.
-pub fn noise(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed, Error> {
+pub fn noise(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed> {
     let rows: Vec<Rows> = runs.iter().map(|run| (run.rows.len(), run.times())).collect();
     shape.allowed(&rows, place, None)
 }
@@ -63,7 +62,7 @@ pub fn noise(runs: &[Run<'_>], shape: &Shape, place: Place) -> Result<Allowed, E
 pub struct Fit {
     pub values: Vec<f64>,
     /// A factor of the linear fit's covariance.
-    widened: f64,
+    pub widened: f64,
     /// Covariance from what is known with an uncertainty, common to all readings.
     pub common: Mat<f64>,
     /// How the unknowns move with what is known with an uncertainty: parameters of the document.
@@ -97,24 +96,13 @@ impl Fit {
         self.scatter(unknown, unknown).sqrt()
     }
 
-    /// Standard uncertainty from what is common.
-    pub fn type_b(&self, unknown: usize) -> f64 {
-        self.common[(unknown, unknown)].max(0.0).sqrt()
-    }
-
     /// Covariance of both kinds.
     pub fn covariance(&self, i: usize, j: usize) -> f64 {
         self.scatter(i, j) + self.common[(i, j)]
     }
 
-    /// A value with its uncertainty.
     pub fn quantity(&self, unknown: usize) -> Quantity {
         Quantity::new(self.values[unknown], self.covariance(unknown, unknown).sqrt())
-    }
-
-    /// Widens what comes from scatter by a factor of the variance.
-    pub fn widen(&mut self, factor: f64) {
-        self.widened *= factor;
     }
 
     /// Σ of the squared whitened residuals, in units of the noise that was allowed for.
@@ -149,11 +137,11 @@ impl Descent for Problem<'_, '_> {
         at.cost
     }
 
-    fn linear(&self, at: &At, _: Option<&CorrelatedFit>) -> Result<CorrelatedFit, Error> {
+    fn linear(&self, at: &At, _: Option<&CorrelatedFit>) -> Result<CorrelatedFit> {
         Ok(correlated::fit(at.design.as_ref(), &at.residual, &self.allowed.whitenings, Scale::Fitted)?)
     }
 
-    fn moved(&self, at: &At, step: &[f64]) -> Result<At, Error> {
+    fn moved(&self, at: &At, step: &[f64]) -> Result<At> {
         self.at(self.advance(&at.state, step))
     }
 }
@@ -164,7 +152,7 @@ impl Problem<'_, '_> {
     }
 
     /// The minimum, by Gauss-Newton steps of generalised least squares.
-    pub fn solve(&self) -> Result<Fit, Error> {
+    pub fn solve(&self) -> Result<Fit> {
         let Minimum { at, linear, settled, .. } =
             estimate::minimise(self, self.at(self.first())?, None, &ITERATION)?;
         if settled {
@@ -176,13 +164,13 @@ impl Problem<'_, '_> {
         )))
     }
 
-    fn at(&self, state: State) -> Result<At, Error> {
+    fn at(&self, state: State) -> Result<At> {
         let (residual, design) = self.linearise(&state)?;
         let cost = self.allowed.whitenings[0].apply_to(&residual).iter().map(|r| r * r).sum();
         Ok(At { state, residual, design, cost })
     }
 
-    fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit, Error> {
+    fn finish(&self, state: &State, linear: CorrelatedFit, design: &Mat<f64>) -> Result<Fit> {
         let unknowns = self.unknowns.len();
         let mut common = Mat::zeros(unknowns, unknowns);
         let mut by = By::new();
@@ -213,18 +201,13 @@ impl Problem<'_, '_> {
     }
 
     /// How the unknowns of a fit take up what is added to its readings, under the likeliest covariance.
-    pub fn taken_up(
-        &self,
-        design: &Mat<f64>,
-        linear: &CorrelatedFit,
-        added: &[f64],
-    ) -> Result<Vec<f64>, Error> {
+    pub fn taken_up(&self, design: &Mat<f64>, linear: &CorrelatedFit, added: &[f64]) -> Result<Vec<f64>> {
         let one = self.allowed.likeliest(linear);
         Ok(correlated::fit(design.as_ref(), added, &one.whitenings, Scale::Fitted)?.coefficients)
     }
 
     /// Residuals and derivatives of the predicted field, nT, over the used rows of all runs.
-    fn linearise(&self, state: &State) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    fn linearise(&self, state: &State) -> Result<(Vec<f64>, Mat<f64>)> {
         let total: usize = self.runs.iter().map(|run| run.rows.len()).sum();
         let mut residual = Vec::with_capacity(total);
         let mut design = Mat::zeros(total, self.unknowns.len());
@@ -233,15 +216,11 @@ impl Problem<'_, '_> {
             let at = run.sensor.index();
             let basic = &state.basics[number];
             let k = basic.sensors[at].sensitivity;
-            let chain: Vec<(usize, Parameter)> = self
-                .unknowns
-                .iter()
-                .enumerate()
-                .filter_map(|(index, unknown)| match unknown {
-                    Unknown::Chain(parameter, runs) if runs.contains(&number) => Some((index, *parameter)),
-                    _ => None,
-                })
-                .collect();
+            let in_chain = |(index, unknown): (usize, &Unknown)| match unknown {
+                Unknown::Chain(parameter, runs) if runs.contains(&number) => Some((index, *parameter)),
+                _ => None,
+            };
+            let chain: Vec<_> = self.unknowns.iter().enumerate().filter_map(in_chain).collect();
             let parameters: Vec<Parameter> = chain.iter().map(|(_, parameter)| *parameter).collect();
             let (prediction, derivatives) =
                 physics::predict_with_jacobian(basic, &state.effects, &run.context, &parameters)
@@ -269,7 +248,7 @@ impl Problem<'_, '_> {
 
     /// What a fit misses readings by that it did not see, nT: the rows of `runs`, which are those of the
     /// problem with other rows.
-    pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>, Error> {
+    pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>> {
         let state = self.first();
         let step: Vec<f64> =
             (0..self.unknowns.len()).map(|at| fit.values[at] - self.value(&state, at)).collect();
@@ -342,7 +321,7 @@ impl Problem<'_, '_> {
 }
 
 /// Constants of the coils that were driven, with what is uncertain about the fields calculated with them.
-pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<KnownParameters>, Error> {
+pub fn coils(document: &common::Document, runs: &[Run<'_>]) -> Result<Vec<KnownParameters>> {
     let joint = Uncertainty::of(document)?;
     let driven = |run: &Run<'_>, coil: Axis| {
         run.coil == coil || run.context.current_a.iter().any(|current| current[coil.index()] != 0.0)

@@ -8,11 +8,11 @@ use common::{Axis, Misalignment, Quantity};
 use faer::Mat;
 use physics::{Parameter, frames::ARCSEC};
 
-use crate::Error;
 use crate::departure::visible_share;
 use crate::fit::{Fit, Unknown};
 use crate::readings::{Run, span};
 use crate::sides::Lean;
+use crate::{Error, Result};
 
 /// A field across that moves by less than this share of the field along is none.
 pub const ACROSS: f64 = 0.01;
@@ -25,7 +25,6 @@ pub struct Leaning {
     pub runs: Vec<usize>,
 }
 
-/// The fields across a sensor's runs.
 pub struct Across {
     /// For each run, the coils across the sensor that change in it or, where it is held, in its group.
     pub coils: Vec<Vec<Axis>>,
@@ -35,7 +34,7 @@ pub struct Across {
 }
 
 impl Across {
-    pub fn of(runs: &[Run<'_>]) -> Result<Self, Error> {
+    pub fn of(runs: &[Run<'_>]) -> Result<Self> {
         let all: Vec<usize> = (0..runs.len()).collect();
         let (changing, held): (Vec<usize>, Vec<usize>) =
             all.iter().partition(|number| !coils(runs, &[**number]).is_empty());

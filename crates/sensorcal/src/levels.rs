@@ -5,10 +5,10 @@ use faer::Mat;
 use indexmap::IndexMap;
 use std::collections::HashSet;
 
-use crate::Error;
+use crate::Result;
 use crate::departure::noise_called_for;
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::heated::{Heated, Part};
+use crate::heated::Heated;
 use crate::readings::{FULL_NT, Run, along, span};
 use crate::shape::{Place, Shape};
 
@@ -58,10 +58,7 @@ pub fn branches(warmer: &[f64]) -> Vec<f64> {
 }
 
 /// The temperatures that were held, the fit of k and O at each, and both as columns.
-pub fn at_temperatures(
-    heated: &Heated<'_>,
-    shape: &Shape,
-) -> Result<(Vec<Level>, Fit, TemperatureLevels), Error> {
+pub fn at_temperatures(heated: &Heated<'_>, shape: &Shape) -> Result<(Vec<Level>, Fit, TemperatureLevels)> {
     let (mut levels, mut groups) = (Vec::new(), Vec::new());
     let mut columns = TemperatureLevels::default();
     for (number, (run, both)) in heated.runs.iter().zip(&heated.warmer).enumerate() {
@@ -132,7 +129,7 @@ pub fn constants(
     runs: &[Run<'_>],
     groups: &[(usize, Vec<usize>)],
     shape: &Shape,
-) -> Result<(Vec<Constants>, Fit), Error> {
+) -> Result<(Vec<Constants>, Fit)> {
     let mut reduced: Vec<Run<'_>> = runs.to_vec();
     for (number, run) in reduced.iter_mut().enumerate() {
         let own = groups.iter().filter(|(of, _)| *of == number);
@@ -163,8 +160,7 @@ fn constant(fit: &Fit, at: usize, run: &Run<'_>) -> Constants {
 /// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on
 /// either side of it, in the runs in which the part moved; ppm/K and nT/K of the field that is read. `fit` is
 /// that of the levels.
-pub fn three_point(levels: &[Level], fit: &Fit, part: Part) -> IndexMap<String, Quantity> {
-    let at = part as usize;
+pub fn three_point(levels: &[Level], fit: &Fit, at: usize) -> IndexMap<String, Quantity> {
     let moved = |run: usize| {
         let own = levels.iter().filter(|level| level.run == run);
         span(own.map(|level| level.warmer[at])) > SAME_K

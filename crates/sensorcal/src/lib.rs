@@ -13,7 +13,7 @@
 //! process from which `noise::series` draws. Where the noise is not known, the allowed covariances are
 //! averaged by restricted likelihood, and `estimate::mixture` makes one interval of them by its quantiles.
 //! What is known with an uncertainty (a coil constant, a temperature coefficient) moves the unknowns through
-//! the same derivatives and is added as a common part. `trend` fits what offsets follow from date to date,
+//! the same derivatives and is added as a common part. `drift` fits what offsets follow from date to date,
 //! `wander` the noise they may have.
 
 mod adopt;
@@ -27,10 +27,8 @@ mod drift;
 mod effects;
 mod fit;
 mod heated;
-mod lag;
 mod leaning;
 mod levels;
-mod more;
 mod noise;
 mod passes;
 mod readings;
@@ -41,7 +39,6 @@ mod shape;
 mod sides;
 mod sizes;
 mod temperature;
-mod trend;
 mod wander;
 mod words;
 
@@ -58,8 +55,10 @@ use crate::conditions::Conditions;
 use crate::cross_field::AcrossFindings;
 use crate::reversal::Turned;
 use crate::sensitivity::Constants;
-use crate::shape::Shape;
+use crate::shape::Subject;
 use crate::sides::Sides;
+
+type Result<T, E = Error> = std::result::Result<T, E>;
 
 /// What is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,7 +90,6 @@ pub const PROCEDURES: [&str; 6] = [
     procedure::CROSS_FIELD,
 ];
 
-/// What was found of one sensor.
 struct SensorFindings {
     calibration: SensorCalibration,
     conditions: Conditions,
@@ -105,13 +103,13 @@ const NOTHING: &str = "no recording with the procedure `sensor_sensitivity`, `se
 
 /// Finds what the recordings show of each sensor and writes it to `calibration.sensors`, the effects to
 /// `model.effects`; a sensor without a recording of a kind keeps what the document says of it.
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(mut document: Document, options: &Options) -> Result<Document> {
     if !document.recordings.iter().any(|recording| PROCEDURES.contains(&recording.procedure.as_str())) {
         return Err(Error::Request(NOTHING.into()));
     }
     let sides = Sides::of(&document, options.axes_std_deg);
     let mut found: Vec<SensorFindings> =
-        Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, &sides)).collect::<Result<_, Error>>()?;
+        Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, &sides)).collect::<Result<_>>()?;
     in_passes(&document, &mut found, &sides)?;
     let references = References::of(&document);
     let shield: Vec<Option<f64>> = found.iter().map(|found| shield(&found.calibration)).collect();
@@ -156,7 +154,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
 }
 
 /// Scores the correction for fields across in two passes where all three sensors were read.
-fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -> Result<(), Error> {
+fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -> Result<()> {
     let mut across = found.iter().filter_map(|found| found.across.as_ref());
     if across.all(|across| across.left_out.is_empty()) {
         return Ok(());
@@ -207,23 +205,22 @@ fn shield(calibration: &SensorCalibration) -> Option<f64> {
 }
 
 /// All six procedures on one sensor.
-fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFindings, Error> {
+fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFindings> {
     let first = |unit: Unit| first_sensitivity(document, sensor, unit);
     let noise = noise::analyse(document, sensor, &first)?;
-    let shape = |code_nt: f64| Shape::of(document, sensor, noise.as_ref(), code_nt);
-    let (temperature, conditions) = match temperature::coefficients(document, sensor, &shape)? {
+    let of = Subject { document, sensor, measured: noise.as_ref() };
+    let (temperature, conditions) = match temperature::coefficients(of)? {
         Some((fit, conditions)) => (Some(fit), conditions),
         None => (None, stated(document, sensor)?),
     };
-    let constants = sensitivity::calibrate(document, sensor, &shape, &conditions)?;
+    let constants = sensitivity::calibrate(of, &conditions)?;
     let k = |unit: Unit| match &constants {
         Some(found) if found.unit == unit => Some((found.sensitivity, found.covariance[0][0].sqrt())),
         _ => first(unit),
     };
-    let (reversal, turned) = reversal::offset(document, sensor, &k, &shape, &conditions)?.unzip();
-    let drift = drift::drift(document, sensor, &k, &shape, &conditions)?;
-    let (cross_field, across) =
-        cross_field::coefficients(document, sensor, &shape, &conditions, sides)?.unzip();
+    let (reversal, turned) = reversal::offset(of, &k, &conditions)?.unzip();
+    let drift = drift::drift(of, &k, &conditions)?;
+    let (cross_field, across) = cross_field::coefficients(of, &conditions, sides)?.unzip();
     let calibration = SensorCalibration {
         sensitivity: constants.as_ref().map(|found| Box::new(found.fit.clone())),
         reversal: reversal.map(Box::new),
@@ -254,9 +251,9 @@ fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f
 }
 
 /// What the document's model says of temperatures, where no recording does.
-fn stated(document: &Document, sensor: Axis) -> Result<Conditions, Error> {
+fn stated(document: &Document, sensor: Axis) -> Result<Conditions> {
     let adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
-    let kinds = heated::Part::ALL.map(|part| part.kinds().concat()).concat();
+    let kinds = heated::KINDS.concat().concat();
     let mut conditions = Conditions::none();
     let mut variances = Vec::new();
     let listed = document.model.iter().flat_map(|model| &model.effects);

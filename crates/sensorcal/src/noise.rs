@@ -12,8 +12,8 @@ use estimate::{allan, stats};
 use physics::Unit;
 use rayon::prelude::*;
 
-use crate::Error;
 use crate::readings::{code, output};
+use crate::{Error, Result};
 
 /// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one
 /// follows.
@@ -57,7 +57,7 @@ pub fn analyse(
     document: &Document,
     sensor: Axis,
     sensitivity: &(dyn Fn(Unit) -> Option<(f64, f64)> + Sync),
-) -> Result<Option<SensorNoise>, Error> {
+) -> Result<Option<SensorNoise>> {
     let mut mine: Vec<(usize, &Recording)> = Vec::new();
     for (index, recording) in document.recordings.iter().enumerate() {
         if recording.procedure == procedure::SENSOR_NOISE && holds(recording, index, sensor)? {
@@ -67,7 +67,7 @@ pub fn analyse(
     let mut all: Vec<Series<'_>> = mine
         .par_iter()
         .map(|(index, recording)| read(recording, &format!("recordings[{index}]"), sensor, sensitivity))
-        .collect::<Result<_, Error>>()?;
+        .collect::<Result<_>>()?;
     if all.is_empty() {
         return Ok(None);
     }
@@ -81,7 +81,7 @@ pub fn analyse(
 }
 
 /// Whether a recording has readings of a sensor; one that names the sensor must.
-fn holds(recording: &Recording, index: usize, sensor: Axis) -> Result<bool, Error> {
+fn holds(recording: &Recording, index: usize, sensor: Axis) -> Result<bool> {
     let path = format!("recordings[{index}]");
     recording.at_hand(&path)?;
     match recording.conditions.sensor {
@@ -96,7 +96,7 @@ fn read<'a>(
     path: &str,
     sensor: Axis,
     sensitivity: &(dyn Fn(Unit) -> Option<(f64, f64)> + Sync),
-) -> Result<Series<'a>, Error> {
+) -> Result<Series<'a>> {
     let (reading, unit) = output(recording, path, sensor)?;
     let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), reading) else {

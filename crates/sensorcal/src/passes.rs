@@ -8,7 +8,7 @@ use common::{Axis, CrossFieldFit, Document, HeldOut, Quantity, procedure};
 use nalgebra::{Matrix3, Vector3};
 use physics::{Basic, Kind, Unit};
 
-use crate::Error;
+use crate::Result;
 use crate::departure::used;
 use crate::effects::{KINDS, Sought, shapes};
 use crate::fit::{self, Problem};
@@ -42,7 +42,7 @@ pub fn left_out(
     problem: &Problem<'_, '_>,
     (sought, first): (&[Sought], usize),
     (shape, place_of): (&Shape, Place),
-) -> Result<Option<(HeldOut, Vec<LeftOut>)>, Error> {
+) -> Result<Option<(HeldOut, Vec<LeftOut>)>> {
     let mut sums = [0.0; 2];
     let mut all = Vec::new();
     for fold in 0..FOLDS {
@@ -94,9 +94,7 @@ pub fn left_out(
 /// order of [`shapes`].
 #[derive(Clone, Copy)]
 pub struct Corrected {
-    /// k.
     pub sensitivity: f64,
-    /// O, nT.
     pub offset_nt: f64,
     /// Parameters of the effects of fields across, nT.
     pub parameters: [f64; 5],
@@ -109,7 +107,7 @@ pub fn score(
     sensor: Axis,
     left_out: &[LeftOut],
     (sensors, mu): (&[Corrected; 3], &Matrix3<f64>),
-) -> Result<Option<[f64; 2]>, Error> {
+) -> Result<Option<[f64; 2]>> {
     let Some(to_sen) = mu.transpose().try_inverse() else { return Ok(None) };
     let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
     let mut sums = [0.0; 2];

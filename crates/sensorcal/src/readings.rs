@@ -5,7 +5,7 @@ use common::{Axis, Document, Recording};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 
-use crate::Error;
+use crate::{Error, Result};
 
 /// Fields count in units of the catalogue's reference field.
 pub const FULL_NT: f64 = 50_000.0;
@@ -38,7 +38,6 @@ pub struct Run<'a> {
     pub oriented: bool,
     /// Readings in the recording's unit, by row.
     pub reading: Vec<f64>,
-    /// Rows that are used.
     pub rows: Vec<usize>,
 }
 
@@ -72,7 +71,7 @@ pub fn recordings<'a>(
     document: &'a Document,
     procedure: &str,
     sensor: Axis,
-) -> Result<Vec<(String, &'a Recording)>, Error> {
+) -> Result<Vec<(String, &'a Recording)>> {
     let mut found = Vec::new();
     for (index, recording) in document.recordings.iter().enumerate() {
         if recording.procedure != procedure {
@@ -98,7 +97,7 @@ pub fn recordings<'a>(
 }
 
 /// The readings of a sensor, in V or in nT.
-pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<(&'a [f64], Unit), Error> {
+pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<(&'a [f64], Unit)> {
     let columns = format!("{path}.columns");
     match (recording.axis_column("sensor", sensor, "v"), recording.axis_column("sensor", sensor, "nt")) {
         (Some(volts), None) => Ok((volts, Unit::Volt)),
@@ -117,13 +116,13 @@ pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<
 }
 
 /// All runs of a procedure and a sensor.
-pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result<Vec<Run<'a>>, Error> {
+pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result<Vec<Run<'a>>> {
     let references = References::of(document);
     let found = recordings(document, procedure, sensor)?;
     let runs: Vec<Run<'a>> = found
         .into_iter()
         .map(|(path, recording)| run(document, recording, path, sensor, references))
-        .collect::<Result<_, Error>>()?;
+        .collect::<Result<_>>()?;
     if let Some(other) = runs.iter().find(|run| run.context.unit != runs[0].context.unit) {
         let found = "a unit other than that of the recording before";
         let expected = "one unit for all recordings of a sensor's procedure";
@@ -138,7 +137,7 @@ fn run<'a>(
     path: String,
     sensor: Axis,
     references: References,
-) -> Result<Run<'a>, Error> {
+) -> Result<Run<'a>> {
     let Some(coil) = recording.conditions.coil else {
         let expected = "\"x\", \"y\" or \"z\", the coil along which the sensor is turned";
         return Err(Error::document(format!("{path}.conditions.coil"), "no such key", expected));
@@ -186,7 +185,7 @@ fn run<'a>(
 
 /// First constants, by a straight line through the readings; what does not follow the field at all is
 /// refused.
-fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> Result<(), Error> {
+fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> Result<()> {
     let sensor = run.sensor;
     let column = format!("{}.columns.sensor_{sensor}_{}", run.path, unit.suffix());
     let points: Vec<(f64, f64)> =

@@ -5,17 +5,17 @@
 
 use common::number::{counted, plural};
 use common::{
-    Axis, Document, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset, ReversalPairs, procedure,
+    Document, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset, ReversalPairs, procedure,
 };
 use estimate::correlated::{self, Scale};
 use estimate::stats;
 use faer::Mat;
 use physics::{Context, References, Unit};
 
-use crate::Error;
 use crate::conditions::Conditions;
 use crate::readings::{code, output, recordings, times};
-use crate::shape::{Place, Shape};
+use crate::shape::{Place, Shape, Subject};
+use crate::{Error, Result};
 
 /// A pair that is so far from the rest is left out (Grubbs).
 const OUTLIER_BELOW: f64 = 1e-3;
@@ -28,7 +28,6 @@ pub type Sensitivity<'a> = &'a dyn Fn(Unit) -> Option<(f64, f64)>;
 /// The offset over all recordings, by what its uncertainty comes from.
 #[derive(Clone, Debug)]
 pub struct Turned {
-    /// O, nT.
     pub offset_nt: f64,
     /// Variance from scatter and from the sensitivity, nT².
     pub own_nt2: f64,
@@ -49,27 +48,24 @@ impl Turned {
 
 /// O from all recordings of reversals; None without one.
 pub fn offset(
-    document: &Document,
-    sensor: Axis,
+    of: Subject<'_>,
     sensitivity: Sensitivity<'_>,
-    noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
-) -> Result<Option<(ReversalOffset, Turned)>, Error> {
+) -> Result<Option<(ReversalOffset, Turned)>> {
     let mut found = ReversalOffset::default();
     let mut outcomes = Vec::new();
-    for (path, recording) in recordings(document, procedure::SENSOR_OFFSET_REVERSAL, sensor)? {
-        let outcome = one(document, recording, &path, sensor, sensitivity, noise, conditions)?;
+    for (path, recording) in recordings(of.document, procedure::SENSOR_OFFSET_REVERSAL, of.sensor)? {
+        let outcome = one(of, recording, &path, sensitivity, conditions)?;
         let pairs = &outcome.reversal.pairs;
         let out = pairs.row.iter().zip(&pairs.used).filter(|(_, used)| !**used);
         let rows: Vec<String> = out.map(|(row, _)| row.to_string()).collect();
         if !rows.is_empty() {
-            found.findings.push(format!(
-                "recording \"{}\": the {} {} {} and left out",
-                recording.id,
-                plural(rows.len(), "pair from row", "pairs from rows"),
-                rows.join(", "),
-                plural(rows.len(), "is an outlier", "are outliers")
-            ));
+            let (pairs, are) = match rows.len() {
+                1 => ("pair from row", "is an outlier"),
+                _ => ("pairs from rows", "are outliers"),
+            };
+            let (id, rows) = (&recording.id, rows.join(", "));
+            found.findings.push(format!("recording \"{id}\": the {pairs} {rows} {are} and left out"));
         }
         found.recordings.push(outcome.reversal.clone());
         outcomes.push(outcome);
@@ -150,14 +146,13 @@ pub struct Outcome {
 }
 
 pub fn one(
-    document: &Document,
+    of: Subject<'_>,
     recording: &Recording,
     path: &str,
-    sensor: Axis,
     sensitivity: Sensitivity<'_>,
-    noise: &dyn Fn(f64) -> Shape,
     conditions: &Conditions,
-) -> Result<Outcome, Error> {
+) -> Result<Outcome> {
+    let Subject { document, sensor, .. } = of;
     let (reading, unit) = output(recording, path, sensor)?;
     let Some(position) = recording.column("position") else {
         let expected = "`position`, +1 or −1 in the order taken";
@@ -173,11 +168,8 @@ pub fn one(
     let (ups, downs) = [1.0, -1.0].map(|p| rows.iter().filter(|row| position[**row] == p).count()).into();
     if ups < 2 || downs < 2 {
         let found = format!("{} in position +1 and {downs} in −1", counted(ups, "reading"));
-        return Err(Error::document(
-            key,
-            found,
-            "at least two in each; one position alone does not determine an offset",
-        ));
+        let expected = "at least two in each; one position alone does not determine an offset";
+        return Err(Error::document(key, found, expected));
     }
     let Some((k, k_std)) = sensitivity(unit) else {
         let key = format!("calibration.sensors.{sensor}.sensitivity_nt_per_v");
@@ -191,7 +183,7 @@ pub fn one(
         .map(|row| k * reading[row] - contribution.as_ref().map_or(0.0, |c| c.field_nt[row]))
         .collect();
     let code_nt = code_width(document, reading, unit) * k;
-    let shape = noise(code_nt);
+    let shape = of.shape(code_nt);
     let series = Series { recording, field: &field, position, shape: &shape };
     let mut pairs = series.pairs(&rows, 0.0);
     let mut kept = rows.clone();
@@ -246,7 +238,7 @@ fn scatter(
     rows: &[usize],
     fit: &correlated::CorrelatedFit,
     code_nt: f64,
-) -> Result<f64, Error> {
+) -> Result<f64> {
     let (design, y) = series.problem(rows);
     let plain = estimate::linear::fit(design.as_ref(), &y, None)?;
     let variance = plain.sum_of_squares / plain.freedom;
@@ -286,19 +278,17 @@ impl Series<'_> {
         (design, rows.iter().map(|row| self.field[*row]).collect())
     }
 
-    fn fit(&self, rows: &[usize]) -> Result<(correlated::CorrelatedFit, common::FitNoise), Error> {
+    fn fit(&self, rows: &[usize]) -> Result<(correlated::CorrelatedFit, common::FitNoise)> {
         let (design, y) = self.problem(rows);
         let recordings = [(rows.len(), times(self.recording, rows))];
         let allowed = self.shape.allowed(&recordings, Place::Shield, None)?;
         let fit = correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted)?;
         if fit.freedom < 1.0 {
-            let id = &self.recording.id;
-            let more = format!(
-                "recording \"{id}\": {} {} an offset but not its scatter; record more pairs",
-                counted(rows.len(), "reading"),
-                plural(rows.len(), "determines", "determine")
-            );
-            return Err(Error::Unanswerable(more));
+            let (id, readings) = (&self.recording.id, counted(rows.len(), "reading"));
+            let determine = plural(rows.len(), "determines", "determine");
+            return Err(Error::Unanswerable(format!(
+                "recording \"{id}\": {readings} {determine} an offset but not its scatter; record more pairs"
+            )));
         }
         let noise = allowed.describe(&fit);
         Ok((fit, noise))

@@ -3,8 +3,8 @@
 use common::number::counted;
 use common::{Axis, Document, Saturation};
 
-use crate::Error;
 use crate::readings::{Run, along, code_width, span};
+use crate::{Error, Result};
 
 /// Readings within this share of the largest one stand still.
 const STILL: f64 = 1e-6;
@@ -16,11 +16,7 @@ const SHORT: f64 = 1e-3;
 const MISSED: f64 = 20.0;
 
 /// Takes out of the runs the readings at which the output is saturated though the field goes on.
-pub fn take_out(
-    document: &Document,
-    runs: &mut [Run<'_>],
-    sensor: Axis,
-) -> Result<Option<Saturation>, Error> {
+pub fn take_out(document: &Document, runs: &mut [Run<'_>], sensor: Axis) -> Result<Option<Saturation>> {
     let mut found = Saturation::default();
     for run in runs.iter_mut() {
         let (field, code) = (along(run), code_width(document, run));

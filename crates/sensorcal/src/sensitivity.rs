@@ -4,20 +4,19 @@
 use common::number::{bare, counted, p_value, plural, significant};
 use common::uncertainty::{self, Block};
 use common::{
-    Axis, Budget, Document, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals, TestResult,
-    procedure,
+    Axis, Budget, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals, TestResult, procedure,
 };
 use estimate::{normality, stats};
 use physics::{Kind, Parameter, Unit};
 
-use crate::Error;
 use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
 use crate::readings::{FULL_NT, Run, along, code_width, first_sensitivity, runs};
 use crate::saturation;
-use crate::shape::{Place, Shape};
+use crate::shape::{Place, Subject};
+use crate::{Error, Result};
 
 /// Polynomials are tried up to this order.
 const ORDERS: usize = 5;
@@ -25,9 +24,7 @@ const ORDERS: usize = 5;
 /// Constants of a sensor as its coil shows them.
 pub struct Constants {
     pub unit: Unit,
-    /// k.
     pub sensitivity: f64,
-    /// O.
     pub offset_nt: f64,
     /// Covariance of k and O.
     pub covariance: [[f64; 2]; 2],
@@ -46,12 +43,8 @@ pub struct Constants {
 }
 
 /// Fits the line, and what it leaves out where the readings say so; None without a recording.
-pub fn calibrate(
-    document: &Document,
-    sensor: Axis,
-    noise: &dyn Fn(f64) -> Shape,
-    conditions: &Conditions,
-) -> Result<Option<Constants>, Error> {
+pub fn calibrate(of: Subject<'_>, conditions: &Conditions) -> Result<Option<Constants>> {
+    let Subject { document, sensor, .. } = of;
     let mut runs = runs(document, procedure::SENSOR_SENSITIVITY, sensor)?;
     if runs.is_empty() {
         return Ok(None);
@@ -59,7 +52,7 @@ pub fn calibrate(
     let unit = runs[0].context.unit;
     let saturation = saturation::take_out(document, &mut runs, sensor)?;
     let code_nt = code_width(document, &runs[0]) * first_sensitivity(&runs);
-    let shape = noise(code_nt);
+    let shape = of.shape(code_nt);
     let all: Vec<usize> = (0..runs.len()).collect();
     let (effects, known) = conditions.effects_in(&runs);
     let mut knowns = fit::coils(document, &runs)?;
@@ -84,7 +77,7 @@ pub fn calibrate(
     let orders = orders(&problem, &line)?;
     let pair = |of: &dyn Fn(usize, usize) -> f64| [[of(0, 0), of(0, 1)], [of(1, 0), of(1, 1)]];
     let key = sensitivity_key(unit);
-    let budget = |i: usize| Budget { type_a: fit.type_a(i), type_b: fit.type_b(i) };
+    let budget = |i: usize| Budget { type_a: fit.type_a(i), type_b: fit.common[(i, i)].max(0.0).sqrt() };
     let total = fit.covariance(0, 0).sqrt();
     let effective = match fit.type_a(0) {
         a if a > 0.0 => fit.linear.freedom * (total / a).powi(4),
@@ -154,7 +147,7 @@ fn block(sensor: Axis, unit: Unit, fit: &Fit, bent: &[(Kind, usize)]) -> Block {
 }
 
 /// Whether several recordings agree on k and O; where they do not, uncertainties rest on their differences.
-fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> Result<Option<String>, Error> {
+fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> Result<Option<String>> {
     let count = problem.runs.len();
     if count < 2 {
         return Ok(None);
@@ -163,7 +156,7 @@ fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> R
     let one = |parameter: Parameter| (0..count).map(move |run| Unknown::Chain(parameter, vec![run]));
     let own = one(Parameter::Sensitivity(sensor)).chain(one(Parameter::SensorOffset(sensor))).collect();
     let single = problem.allowed.likeliest(&extended.fit.linear);
-    let squares = |unknowns: Vec<Unknown>| -> Result<(f64, f64), Error> {
+    let squares = |unknowns: Vec<Unknown>| -> Result<(f64, f64)> {
         let fit = Problem { allowed: &single, ..problem.with(unknowns) }.solve()?;
         Ok((fit.sum_of_squares(), fit.linear.freedom))
     };
@@ -174,7 +167,7 @@ fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> R
     if p >= FOUND_BELOW {
         return Ok(None);
     }
-    extended.fit.widen(f);
+    extended.fit.widened *= f;
     Ok(Some(format!(
         "the recordings disagree on k and O ({}); the uncertainties are based on their differences",
         p_value(p)
@@ -206,7 +199,7 @@ fn branches(field: &[f64]) -> Vec<f64> {
     branches
 }
 
-fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>, Error> {
+fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>> {
     let each = |of: &dyn Fn(&Run<'_>) -> Vec<f64>| runs.iter().map(of).collect();
     let hours = |run: &Run<'_>| {
         let time = run.context.recording.column("time_s").unwrap_or_default();
@@ -234,7 +227,7 @@ fn candidates(runs: &[Run<'_>]) -> Result<Vec<Candidate>, Error> {
 }
 
 /// Polynomials from the line up, the last term of each tested beside the lower ones.
-fn orders(problem: &Problem<'_, '_>, line: &Fit) -> Result<Vec<PolynomialOrder>, Error> {
+fn orders(problem: &Problem<'_, '_>, line: &Fit) -> Result<Vec<PolynomialOrder>> {
     let tested = |order: usize, fit: &Fit, last: usize| PolynomialOrder {
         order,
         rms_nt: fit.noise.rms_nt,
@@ -262,18 +255,11 @@ fn chosen(orders: &[PolynomialOrder]) -> Option<&PolynomialOrder> {
 
 fn order_in_words(orders: &[PolynomialOrder]) -> String {
     let least = orders.iter().skip(1).map(|order| order.p_value).fold(1.0, f64::min);
-    match chosen(orders) {
-        Some(order) => format!(
-            "order {}: its highest term is significant ({}), no higher one is",
-            order.order,
-            p_value(order.p_value)
-        ),
-        None => format!(
-            "order 1: no higher term up to order {} is significant (smallest {})",
-            orders.len(),
-            p_value(least)
-        ),
+    if let Some(PolynomialOrder { order, p_value: p, .. }) = chosen(orders) {
+        return format!("order {order}: its highest term is significant ({}), no higher one is", p_value(*p));
     }
+    let (most, p) = (orders.len(), p_value(least));
+    format!("order 1: no higher term up to order {most} is significant (smallest {p})")
 }
 
 fn residuals(runs: &[Run<'_>], line: &Fit, fit: &Fit) -> SensitivityResiduals {
@@ -317,19 +303,14 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
         ));
     }
     if let Some(saturation) = &fit.saturation {
-        let sides: Vec<String> = ["below", "above"]
-            .iter()
-            .zip(saturation.readings.iter().zip(&saturation.fields_nt))
-            .filter_map(|(side, (reading, field))| {
-                Some(format!("{side} {} nT at {}", significant((*field)?, 4), bare((*reading)?)))
-            })
-            .collect();
-        findings.push(format!(
-            "the output is saturated {}; {} {} left out",
-            sides.join(" and "),
-            counted(saturation.count, "reading"),
-            plural(saturation.count, "is", "are")
-        ));
+        let side = |side: usize| {
+            let (nt, reading) = (saturation.fields_nt[side]?, saturation.readings[side]?);
+            Some(format!("{} {} nT at {}", ["below", "above"][side], significant(nt, 4), bare(reading)))
+        };
+        let sides: Vec<String> = [0, 1].into_iter().filter_map(side).collect();
+        let (sides, readings) = (sides.join(" and "), counted(saturation.count, "reading"));
+        let are = plural(saturation.count, "is", "are");
+        findings.push(format!("the output is saturated {sides}; {readings} {are} left out"));
     }
     if let Some(normality) = fit.normality.filter(|test| test.p_value < FOUND_BELOW) {
         let reason = if code_nt > 2.0 * fit.noise.rms_nt {

@@ -2,15 +2,14 @@
 
 use common::{Axis, Document, Noise, SensorNoise};
 
-use crate::Error;
-use crate::allowed::{Allowed, Rows, WEIGHTY, undetermined};
-use crate::more::{Memory, More};
+use crate::Result;
+use crate::allowed::{Allowed, Memory, More, Rows, WEIGHTY, undetermined};
 
 /// A recording longer than this sees the field in the coils drift, s.
 const DRIFTS_S: f64 = 7200.0;
 /// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of
 /// processes, in one pass.
-pub const FULL: usize = 2000;
+const FULL: usize = 2000;
 /// Variance of a recording's own level over that of its readings' noise, where several recordings share their
 /// constants.
 const LEVELS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
@@ -38,13 +37,24 @@ pub struct Shape {
     source: &'static str,
     /// Variance of rounding, nT².
     rounding_nt2: f64,
+    /// [`FULL`].
+    pub full: usize,
 }
 
-impl Shape {
-    /// As it was measured in this document; else as the instrument declares it; else from the residuals.
-    /// Beside noise that is known counts that of the field in the coils as the facility declares it. Rounding
-    /// to codes of `code_nt` counts as white noise.
-    pub fn of(document: &Document, sensor: Axis, measured: Option<&SensorNoise>, code_nt: f64) -> Self {
+/// A sensor of a document, with its noise where that was measured.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    pub document: &'a Document,
+    pub sensor: Axis,
+    pub measured: Option<&'a SensorNoise>,
+}
+
+impl Subject<'_> {
+    /// Its noise as it was measured in this document; else as the instrument declares it; else from the
+    /// residuals. Beside noise that is known counts that of the field in the coils as the facility declares
+    /// it. Rounding to codes of `code_nt` counts as white noise.
+    pub fn shape(&self, code_nt: f64) -> Shape {
+        let Subject { document, sensor, measured } = *self;
         let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
         let noisy = |noise: &Noise| noise.rms_nt(1e3, 1.0) > 0.0;
         let measured = measured.map(crate::noise::as_noise).filter(noisy);
@@ -55,10 +65,11 @@ impl Shape {
         };
         let field = document.facility.as_ref().and_then(|facility| facility.noise.clone());
         let field = field.filter(|noise| known.is_some() && noisy(noise));
-        Self { known, field, source, rounding_nt2: code_nt * code_nt / 12.0 }
+        Shape { known, field, source, rounding_nt2: code_nt * code_nt / 12.0, full: FULL }
     }
+}
 
-    /// Whether the sensor's noise is known.
+impl Shape {
     pub fn is_known(&self) -> bool {
         self.known.is_some()
     }
@@ -77,18 +88,7 @@ impl Shape {
         recordings: &[Rows],
         place: Place,
         sized: Option<(&[Vec<f64>], &[f64])>,
-    ) -> Result<Allowed, Error> {
-        self.allowed_beyond(FULL, recordings, place, sized)
-    }
-
-    /// The same with full matrices for so many readings.
-    fn allowed_beyond(
-        &self,
-        full: usize,
-        recordings: &[Rows],
-        place: Place,
-        sized: Option<(&[Vec<f64>], &[f64])>,
-    ) -> Result<Allowed, Error> {
+    ) -> Result<Allowed> {
         let (sizes, weights) = sized.unzip();
         let weighty = |number: usize| weights.is_none_or(|weights| weights[number] >= WEIGHTY);
         let extra: Vec<More> = match (&self.known, place) {
@@ -110,7 +110,7 @@ impl Shape {
         let white = if self.known.is_some() { white + self.rounding_nt2 } else { 1.0 };
         known.iter_mut().for_each(|noise| noise.white_rms_nt = None);
         known[0].white_rms_nt = Some(white.sqrt());
-        if recordings.iter().map(|(rows, _)| rows).sum::<usize>() > full {
+        if recordings.iter().map(|(rows, _)| rows).sum::<usize>() > self.full {
             for (_, more) in extra.into_iter().enumerate().filter(|(number, _)| weighty(*number)) {
                 allowed.add_long(recordings, &known, more)?;
             }
@@ -135,7 +135,7 @@ impl Shape {
                 let walk = covariance(&Memory::Walk.noise(1.0), *rows, time.as_deref())?;
                 Ok([own, flicker, about_mean(walk, *rows)])
             })
-            .collect::<Result<_, Error>>()?;
+            .collect::<Result<_>>()?;
         let levels = if place == Place::Levels { &LEVELS[..] } else { &LEVELS[..1] };
         let powers = if sizes.is_some() { &POWERS[..] } else { &POWERS[..1] };
         let each = levels.iter().flat_map(|level| extra.iter().map(move |more| (*more, *level)));
@@ -171,7 +171,7 @@ impl Shape {
     }
 }
 
-fn covariance(noise: &Noise, rows: usize, time: Option<&[f64]>) -> Result<Vec<f64>, Error> {
+fn covariance(noise: &Noise, rows: usize, time: Option<&[f64]>) -> Result<Vec<f64>> {
     noise::covariance(noise, rows, time).map_err(undetermined)
 }
 
@@ -208,12 +208,18 @@ mod tests {
     fn both(noise: &str, time: &[f64]) -> [CorrelatedFit; 2] {
         let noise: Noise = serde_json::from_str(noise).expect("a noise");
         let rows = time.len();
-        let shape = Shape { known: Some(noise.clone()), field: None, source: "declared", rounding_nt2: 0.0 };
+        let shape = |full: usize| Shape {
+            known: Some(noise.clone()),
+            field: None,
+            source: "declared",
+            rounding_nt2: 0.0,
+            full,
+        };
         let design = Mat::from_fn(rows, 3, |i, j| (2.0 * (i % 11) as f64 / 10.0 - 1.0).powi(j as i32));
         let y = noise::series(&noise, 7, "readings", rows, Some(time)).expect("noise");
         [usize::MAX, 0].map(|full| {
             let recordings = [(rows, Some(time.to_vec()))];
-            let allowed = shape.allowed_beyond(full, &recordings, Place::Coils, None).expect("covariances");
+            let allowed = shape(full).allowed(&recordings, Place::Coils, None).expect("covariances");
             correlated::fit(design.as_ref(), &y, &allowed.whitenings, Scale::Fitted).expect("a fit")
         })
     }
@@ -254,6 +260,7 @@ mod tests {
             field: field.map(noise),
             source: "declared",
             rounding_nt2: 0.0,
+            full: FULL,
         };
         let (white, walk) = (r#"{"white_rms_nt": 0.1}"#, r#"{"random_walk_nt_per_sqrt_s": 0.01}"#);
         let (both, apart) =
@@ -261,7 +268,8 @@ mod tests {
         let recordings = [(30, Some((0..30).map(|i| 11.0 * f64::from(i)).collect::<Vec<f64>>()))];
         let y: Vec<f64> = (0..30).map(|i| f64::from(i * i % 7)).collect();
         let first = |shape: &Shape, full: usize, place: Place| {
-            let allowed = shape.allowed_beyond(full, &recordings, place, None).expect("covariances");
+            let allowed =
+                Shape { full, ..shape.clone() }.allowed(&recordings, place, None).expect("covariances");
             allowed.whitenings[0].apply_to(&y)
         };
         let differ = |one: &[f64], other: &[f64]| {

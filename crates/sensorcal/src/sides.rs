@@ -12,7 +12,7 @@ use nalgebra::{Matrix3, Vector3};
 use physics::frames::{self, ARCSEC};
 use physics::{Basic, Unit};
 
-use crate::Error;
+use crate::Result;
 
 /// Procedures in which a sensor is turned along a coil.
 const ALONG: [&str; 3] = [procedure::SENSOR_SENSITIVITY, procedure::TEMPERATURE_RUN, procedure::CROSS_FIELD];
@@ -25,7 +25,6 @@ const ALIGNED_FREEDOM: f64 = 4.0;
 const LEAST: f64 = 1e-7;
 /// Unknowns: two tangents of each coil and of each sensor.
 const UNKNOWNS: usize = 12;
-/// Most steps of the iteration.
 const STEPS: usize = 50;
 /// A step by less than this is the last one, rad.
 const SETTLED: f64 = 1e-10;
@@ -51,7 +50,6 @@ pub struct Sides {
 pub struct Lean {
     pub coils: [Axis; 2],
     pub cosine: f64,
-    /// Its standard uncertainty.
     pub std: f64,
 }
 
@@ -103,7 +101,7 @@ impl Sides {
 
     /// The likeliest directions, by Gauss-Newton steps in the tangents of the nominal ones. How well sensors
     /// were turned along coils is taken from how the recordings agree.
-    pub fn solve(&self, leans: &[Lean]) -> Result<Directions, Error> {
+    pub fn solve(&self, leans: &[Lean]) -> Result<Directions> {
         let mut unknowns = [0.0; UNKNOWNS];
         let mut aligned = ALIGNED;
         let observed = (2 * self.turned.len() + leans.len()) as f64;

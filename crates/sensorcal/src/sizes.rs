@@ -5,11 +5,11 @@ use estimate::{linear, stats};
 use faer::Mat;
 use statrs::function::gamma::digamma;
 
-use crate::Error;
+use crate::Result;
 use crate::allowed::Allowed;
 use crate::fit::Fit;
 use crate::readings::Run;
-use crate::shape::{FULL, Place, Shape};
+use crate::shape::{Place, Shape};
 
 /// Readings in a stretch, at least: a recording of fewer than twice as many is one.
 const STRETCH: usize = 45;
@@ -35,13 +35,13 @@ impl Sized {
         fit: &Fit,
         runs: &[Run<'_>],
         (shape, place): (&Shape, Place),
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let same = |allowed| Ok(Self { allowed, stretches: Vec::new() });
         if allowed.is_own() {
             return same(allowed);
         }
         // In one pass over many readings, noise with memory has one size in each recording.
-        let whole = runs.iter().map(|run| run.rows.len()).sum::<usize>() > FULL;
+        let whole = runs.iter().map(|run| run.rows.len()).sum::<usize>() > shape.full;
         let cut = |run: &Run<'_>| if whole { vec![run.rows.len()] } else { stretches(run.rows.len()) };
         let rows: Vec<usize> = runs.iter().flat_map(cut).collect();
         let own = scatter(&allowed, fit, &rows)?;
@@ -58,7 +58,7 @@ impl Sized {
 
     /// The smallest of the effective degrees of freedom of some unknowns of a fit under this noise (Welch and
     /// Satterthwaite), and the factor from standard uncertainty to 95 % interval.
-    pub fn freedom(&self, fit: &Fit, unknowns: &[usize]) -> Result<(f64, f64), Error> {
+    pub fn freedom(&self, fit: &Fit, unknowns: &[usize]) -> Result<(f64, f64)> {
         let white = &self.allowed.whitenings[self.allowed.best(&fit.linear)];
         let design = white.apply(fit.design.as_ref());
         let none = vec![0.0; design.nrows()];
@@ -86,7 +86,7 @@ fn stretches(rows: usize) -> Vec<usize> {
 }
 
 /// Mean square of the whitened residuals of each stretch, with its degrees of freedom.
-fn scatter(allowed: &Allowed, fit: &Fit, rows: &[usize]) -> Result<Vec<(f64, f64)>, Error> {
+fn scatter(allowed: &Allowed, fit: &Fit, rows: &[usize]) -> Result<Vec<(f64, f64)>> {
     let white = &allowed.whitenings[allowed.best(&fit.linear)];
     let design = white.apply(fit.design.as_ref());
     let left = linear::fit(design.as_ref(), &white.apply_to(&fit.linear.residuals), None)?;

@@ -1,57 +1,48 @@
 //! k and O against the temperatures of sensor and electronics (NASA eq. 28 and 29).
 
 use common::{
-    Axis, CommonExtremum, Document, FitNoise, PerAxis, Quantity, SensorCalibration, TemperatureFit,
+    CommonExtremum, Document, FitNoise, PerAxis, Quantity, SensorCalibration, TemperatureFit,
     TemperatureOfPart, procedure,
 };
 use estimate::stats;
 use physics::{EffectInstance, Kind, Parameter};
 
-use crate::Error;
+use crate::Result;
 use crate::allowed::Allowed;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::heated::{Heated, Part, distinct, parts};
-use crate::lag;
+use crate::heated::{self, Heated, KINDS, Lagged, distinct};
 use crate::levels::{self, Level};
 use crate::readings::{Run, along, code_width, runs};
-use crate::shape::{Place, Shape};
+use crate::shape::{Place, Subject};
 use crate::sizes::Sized;
 
 /// Coefficients of a sensor, and what the other procedures need of them; None without a recording.
-pub fn coefficients(
-    document: &Document,
-    sensor: Axis,
-    noise: &dyn Fn(f64) -> Shape,
-) -> Result<Option<(TemperatureFit, Conditions)>, Error> {
+pub fn coefficients(of: Subject<'_>) -> Result<Option<(TemperatureFit, Conditions)>> {
+    let Subject { document, sensor, .. } = of;
     let runs = runs(document, procedure::TEMPERATURE_RUN, sensor)?;
     if runs.is_empty() {
         return Ok(None);
     }
-    let warmer: Vec<[Vec<f64>; 2]> = runs
-        .iter()
-        .map(|run| Ok([Part::Sensor.warmer(run)?, Part::Electronics.warmer(run)?]))
-        .collect::<Result<_, Error>>()?;
     let references = runs[0].context.references;
     let mut found = TemperatureFit {
         recordings: runs.iter().map(|run| run.context.recording.id.clone()).collect(),
         reference_c: [references.sensor_c, references.electronics_c],
         ..TemperatureFit::default()
     };
-    let parts = parts(sensor, &runs, &warmer, &mut found.findings)?;
-    let heated = Heated { runs, warmer, parts };
+    let heated = Heated::of(runs, &mut found.findings)?;
     if heated.parts.is_empty() {
         return Ok(Some((found, Conditions::none())));
     }
     let first = &heated.runs[0];
-    let shape = noise(code_width(document, first) * first.basic.sensors[sensor.index()].sensitivity);
+    let shape = of.shape(code_width(document, first) * first.basic.sensors[sensor.index()].sensitivity);
     let allowed = fit::noise(&heated.runs, &shape, Place::Coils)?;
     let candidates = candidates(&heated);
     let problem = problem(document, &heated, &allowed)?;
     let allowed = departure::noise_called_for(&problem, &candidates)?;
     let problem = Problem { allowed: &allowed, ..problem };
-    let lags = lag::look(&problem, &heated, sensor)?;
+    let lags = heated::look(&problem, &heated, sensor)?;
     // A lag that was found explains what noise of the field had to explain without it.
     let allowed = departure::noise_called_for(&lags.problem, &candidates)?;
     let lagged = Problem { allowed: &allowed, ..lags.problem.clone() };
@@ -74,7 +65,7 @@ pub fn coefficients(
         );
         found.findings.push(text);
     }
-    let (conditions, order) = lag::conditions(&lags.problem, &extended.fit, sensor);
+    let (conditions, order) = heated::conditions(&lags.problem, &extended.fit, sensor);
     found.covariance = common::covariance::rows(&conditions.covariance);
     found.covariance_order = order;
     Ok(Some((found, conditions)))
@@ -86,13 +77,13 @@ fn problem<'p, 'b>(
     document: &Document,
     heated: &'p Heated<'b>,
     allowed: &'p Allowed,
-) -> Result<Problem<'p, 'b>, Error> {
+) -> Result<Problem<'p, 'b>> {
     let sensor = heated.runs[0].sensor;
     let all: Vec<usize> = (0..heated.runs.len()).collect();
     let (mut effects, mut unknowns) = (Vec::new(), Vec::new());
     for part in &heated.parts {
         // The sensitivity first, then the offset.
-        for (kinds, driven) in part.kinds().into_iter().zip([true, false]) {
+        for (kinds, driven) in KINDS[*part].into_iter().zip([true, false]) {
             let at = effects.len();
             effects.push(EffectInstance::new(kinds[0], Some(sensor), vec![0.0; 2]));
             unknowns.push(Unknown::Chain(Parameter::Effect(at, 0), all.clone()));
@@ -125,8 +116,7 @@ const PRODUCTS: [&str; 2] = ["offset_product", "sensitivity_product"];
 
 fn candidates(heated: &Heated<'_>) -> Vec<Candidate> {
     let mut all = Vec::new();
-    for part in &heated.parts {
-        let at = *part as usize;
+    for at in heated.parts.iter().copied() {
         let cubes = |both: &[Vec<f64>; 2]| both[at].iter().map(|t| t.powi(3)).collect();
         all.extend(both_candidates(heated, CUBES[at], ["cubic_nt_per_k3", "cubic_ppm_per_k3"], cubes));
         let parameters = ["warming_less_cooling_nt", "warming_less_cooling_ppm"];
@@ -159,13 +149,12 @@ fn both_candidates(
 
 fn describe(
     heated: &Heated<'_>,
-    lags: &lag::Lagged<'_, '_>,
+    lags: &Lagged<'_, '_>,
     fit: &Fit,
     (levels, each): (&[Level], &Fit),
     found: &mut TemperatureFit,
 ) {
-    for part in &heated.parts {
-        let at = *part as usize;
+    for at in heated.parts.iter().copied() {
         let runs = heated.runs.iter().zip(&heated.warmer);
         let values = runs.flat_map(|(run, both)| run.rows.iter().map(move |row| both[at][*row]));
         let reference = found.reference_c[at].unwrap_or(0.0);
@@ -174,10 +163,10 @@ fn describe(
                 reference + values.clone().fold(f64::INFINITY, f64::min),
                 reference + values.fold(f64::NEG_INFINITY, f64::max),
             ],
-            three_point: levels::three_point(levels, each, *part),
+            three_point: levels::three_point(levels, each, at),
             ..TemperatureOfPart::default()
         };
-        for (number, kinds) in part.kinds().into_iter().enumerate() {
+        for (number, kinds) in KINDS[at].into_iter().enumerate() {
             let place = |kind: Kind, parameter: usize| lags.problem.place(kind, parameter);
             // At once, or with a lag.
             let slope = place(kinds[0], 0).or_else(|| place(kinds[1], 0));
@@ -208,10 +197,7 @@ fn describe(
             }
         }
         result.lag = lags.words[at].clone();
-        match part {
-            Part::Sensor => found.sensor = Some(result),
-            Part::Electronics => found.electronics = Some(result),
-        }
+        *[&mut found.sensor, &mut found.electronics][at] = Some(result);
     }
 }
 
@@ -235,11 +221,8 @@ pub fn common_extrema(sensors: &PerAxis<SensorCalibration>) -> Vec<CommonExtremu
     let of_electronics = fits.iter().filter_map(|fit| fit.electronics.as_ref()).collect();
     for (part, parts) in [("sensor", of_sensor), ("electronics", of_electronics)] {
         for quantity in ["sensitivity", "offset"] {
-            let extrema: Vec<(f64, f64)> = parts
-                .iter()
-                .filter_map(|of| of.extrema_c.get(quantity))
-                .filter_map(|at| Some((at.value(), at.std()?)))
-                .collect();
+            let known = parts.iter().filter_map(|of| of.extrema_c.get(quantity));
+            let extrema: Vec<(f64, f64)> = known.filter_map(|at| Some((at.value(), at.std()?))).collect();
             if extrema.len() < 2 || extrema.len() < parts.len() {
                 continue;
             }

@@ -1,11 +1,11 @@
 //! How offsets wander from date to date, which nobody knows beforehand: every size of it, by its probability.
 
-use common::Noise;
 use estimate::mixture::{Component, Mixture};
 use estimate::wander::Wander;
 use faer::{Mat, MatRef};
 
-use crate::Error;
+use crate::allowed::{Memory, undetermined};
+use crate::{Error, Result};
 
 /// Probabilities beforehand that what has memory is flicker noise or a random walk. A random walk makes the
 /// widest intervals, and of the noise of a year's length a year shows little: with this much for it,
@@ -45,7 +45,7 @@ impl Wandering {
         own: &[f64],
         time_s: &[f64],
         shared: &Mat<f64>,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let count = y.len();
         let mean = own.iter().sum::<f64>() / count as f64;
         let largest = y.iter().map(|value| value.abs()).fold(0.0, f64::max);
@@ -65,25 +65,21 @@ impl Wandering {
             0 => AS_STATED,
             _ => (1.0 - AS_STATED) / (factors.len() - 1) as f64,
         };
-        let shapes = [
-            Noise { flicker_nt2_per_hz_at_1hz: Some(1.0), ..Noise::default() },
-            Noise { random_walk_nt_per_sqrt_s: Some(1.0), ..Noise::default() },
-        ];
         let mut parts: Vec<Vec<Part>> = Vec::new();
         let mut white = Vec::new();
         let mut scale = 1.0;
-        for (shape, (_, probability)) in shapes.iter().zip(FORMS) {
-            let covariance = noise::covariance(shape, count, Some(time_s))
-                .map_err(|error| Error::Unanswerable(error.to_string()))?;
+        for (memory, (_, probability)) in [Memory::Flicker, Memory::Walk].into_iter().zip(FORMS) {
+            let covariance =
+                noise::covariance(&memory.noise(1.0), count, Some(time_s)).map_err(undetermined)?;
             let wander = Wander::of(design, y, &own, &covariance)?;
             scale = wander.scale();
             // Over the logarithm of q.
             let prior: Vec<f64> = ratios
                 .iter()
                 .map(|ratio| Ok(ratio * wander.reference_prior(*ratio)?))
-                .collect::<Result<_, Error>>()?;
+                .collect::<Result<_>>()?;
             let sum: f64 = prior.iter().sum();
-            let fit = |factor: f64, ratio: f64, prior: f64| -> Result<Component, Error> {
+            let fit = |factor: f64, ratio: f64, prior: f64| -> Result<Component> {
                 let mut one = wander.fit(factor, ratio)?;
                 one.log_weight += prior.ln();
                 one.covariance += shared;
@@ -91,7 +87,7 @@ impl Wandering {
             };
             if white.is_empty() {
                 let each = factors.iter().enumerate().map(|(number, s)| fit(*s, 0.0, stated(number)));
-                white = each.collect::<Result<_, Error>>()?;
+                white = each.collect::<Result<_>>()?;
             }
             let mut all = Vec::new();
             for (number, s) in factors.iter().enumerate() {

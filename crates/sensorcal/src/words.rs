@@ -2,8 +2,8 @@
 
 use common::number::{bare, counted, figures, p_value, significant, uncertain};
 use common::{
-    Axis, CrossFieldFit, Document, ErrorBudget, OffsetDrift, PerAxis, Quantity, SensorCalibration,
-    SensorNoise, TemperatureOfPart,
+    Axis, CommonExtremum, CrossFieldFit, Document, ErrorBudget, OffsetDrift, PerAxis, Quantity,
+    SensorCalibration, SensorNoise, TemperatureOfPart,
 };
 
 /// What was found of each sensor, with ± and units, and what looks wrong.
@@ -13,12 +13,10 @@ pub fn summary(document: &Document) -> String {
     let mut lines: Vec<String> =
         sensors.into_iter().flat_map(PerAxis::iter).flat_map(|(axis, sensor)| of(axis, sensor)).collect();
     for extremum in calibration.iter().flat_map(|calibration| &calibration.common_extrema) {
+        let CommonExtremum { quantity, part, temperature_c: at, .. } = extremum;
+        let p = p_value(extremum.p_value);
         lines.push(format!(
-            "{} of all sensors is stationary at {} degC of the {} ({}): a good operating temperature",
-            extremum.quantity,
-            extremum.temperature_c,
-            extremum.part,
-            p_value(extremum.p_value)
+            "{quantity} of all sensors is stationary at {at} degC of the {part} ({p}): a good operating temperature"
         ));
     }
     if !lines.is_empty() {
@@ -131,24 +129,16 @@ fn drift_line(drift: &OffsetDrift) -> String {
         .trend_nt_per_year
         .as_ref()
         .map_or(String::new(), |trend| format!(", trend {trend:+} nT a year"));
-    format!(
-        "  offset on {} in {} days: mean {:+} nT, rms {} nT about it{trend}",
-        counted(drift.dates.time_d.len(), "date"),
-        significant(days, 4),
-        drift.mean_nt,
-        significant(drift.rms_nt, 3)
-    )
+    let (dates, days) = (counted(drift.dates.time_d.len(), "date"), significant(days, 4));
+    let (mean, rms) = (&drift.mean_nt, significant(drift.rms_nt, 3));
+    format!("  offset on {dates} in {days} days: mean {mean:+} nT, rms {rms} nT about it{trend}")
 }
 
 fn budget_line(budget: &ErrorBudget) -> String {
     let largest = budget.terms.iter().take(3);
     let terms: Vec<String> =
         largest.map(|term| format!("{} {}", term.term, significant(term.std_nt, 2))).collect();
-    format!(
-        "  at {} nT: ± {} nT (mainly {}); worst case {} nT",
-        bare(budget.field_nt),
-        figures(budget.standard_nt, 2),
-        terms.join(", "),
-        significant(budget.worst_case_nt, 2)
-    )
+    let (field, standard, terms) = (bare(budget.field_nt), figures(budget.standard_nt, 2), terms.join(", "));
+    let worst = significant(budget.worst_case_nt, 2);
+    format!("  at {field} nT: ± {standard} nT (mainly {terms}); worst case {worst} nT")
 }

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use super::basis;
 use super::ranking::{Design, ErrorModel, design};
 use super::report::{self, Request};
-use crate::Error;
+use crate::{Error, Result};
 
 /// What is asked of `axescal design`.
 #[derive(Args, Clone, Debug)]
@@ -113,7 +113,7 @@ enum Of {
 }
 
 /// Runs the command: JSON to standard output, the table to standard error.
-pub fn main(arguments: &Arguments) -> Result<(), Error> {
+pub fn main(arguments: &Arguments) -> Result<()> {
     apart::from_document("--write-plan", arguments.write_plan.as_deref(), arguments.output.as_deref())?;
     let candidates = candidates(&arguments.candidates)?;
     let (design, words) = match arguments.number {
@@ -152,7 +152,7 @@ pub fn main(arguments: &Arguments) -> Result<(), Error> {
 
 impl Arguments {
     /// What --number counts with.
-    fn error_model(&self) -> Result<ErrorModel, Error> {
+    fn error_model(&self) -> Result<ErrorModel> {
         let drive_nt = match self.drive_nt.as_slice() {
             [] => 50_000.0,
             [drive] => *drive,
@@ -167,7 +167,7 @@ impl Arguments {
     }
 
     /// The plan from the file, or the ordinary one, with what the options state.
-    fn basis(&self) -> Result<Value, Error> {
+    fn basis(&self) -> Result<Value> {
         if self.confidence >= 1.0 {
             return Err(Error::Request(format!(
                 "--confidence {}: a probability is below 1, 0.95 for example",
@@ -219,7 +219,7 @@ impl Arguments {
     }
 
     /// What the options state of the coils.
-    fn coils(&self, plan: &mut Value) -> Result<(), Error> {
+    fn coils(&self, plan: &mut Value) -> Result<()> {
         let drive_nt = match *self.drive_nt.as_slice() {
             [] => None,
             [drive] => Some([drive; 3]),
@@ -244,7 +244,6 @@ impl Arguments {
     }
 }
 
-/// Numbers and texts as JSON.
 fn value<T: serde::Serialize>(of: &T) -> Value {
     serde_json::to_value(of).expect("numbers, texts and lists of them are JSON")
 }
@@ -258,11 +257,15 @@ fn object<'a>(of: &'a mut Value, key: &str) -> &'a mut Value {
 }
 
 /// The orientations that a fixture can take.
-fn candidates(name: &str) -> Result<Vec<Matrix3<f64>>, Error> {
+fn candidates(name: &str) -> Result<Vec<Matrix3<f64>>> {
     match name {
         "cube" => Ok(frames::cube_rotations()),
         "octagon" => Ok(octagon()),
-        file => from_file(Path::new(file)),
+        file => {
+            let input = Input::read(Some(Path::new(file)))?;
+            let list: Vec<Matrix3x3> = common::at_path(&input.text).map_err(|error| input.locate(error))?;
+            frames::rotations(&list, file)
+        }
     }
 }
 
@@ -276,12 +279,6 @@ fn octagon() -> Vec<Matrix3<f64>> {
         })
         .map(|(elevation, azimuth)| turn(Axis::X, elevation) * turn(Axis::Z, azimuth))
         .collect()
-}
-
-fn from_file(path: &Path) -> Result<Vec<Matrix3<f64>>, Error> {
-    let input = Input::read(Some(path))?;
-    let list: Vec<Matrix3x3> = common::at_path(&input.text).map_err(|error| input.locate(error))?;
-    frames::rotations(&list, &path.display().to_string())
 }
 
 fn words(design: &Design) -> String {
@@ -302,13 +299,9 @@ fn words(design: &Design) -> String {
         let _ = writeln!(text, "  {:>12}  {worst:>12}  {}{mark}", row.number, row.search);
     }
     if let Some(more) = &design.one_more {
-        let _ = writeln!(
-            text,
-            "  one more beside the chosen {}: {}\" instead of {}\"",
-            design.orientations.len(),
-            figures(more.worst_arcsec, 4),
-            figures(design.worst_arcsec, 4)
-        );
+        let [with, without] = [more.worst_arcsec, design.worst_arcsec].map(|worst| figures(worst, 4));
+        let chosen = design.orientations.len();
+        let _ = writeln!(text, "  one more beside the chosen {chosen}: {with}\" instead of {without}\"");
     }
     text
 }

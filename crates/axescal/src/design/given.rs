@@ -40,7 +40,6 @@ pub struct Given {
     pub gradient_per_m: [f64; 3],
     /// Places of the sensors in SEN, m.
     pub positions_m: [[f64; 3]; 3],
-    /// How long things take.
     pub times: Times,
 }
 
@@ -92,7 +91,6 @@ pub struct Setting {
 }
 
 impl Given {
-    /// The coil with the smallest field.
     pub fn weakest(&self) -> usize {
         (0..3).min_by(|a, b| self.coil_nt[*a].total_cmp(&self.coil_nt[*b])).unwrap_or(0)
     }
@@ -107,7 +105,6 @@ impl Given {
         (0..setting.cycles).flat_map(|_| (0..3).flat_map(pair)).collect()
     }
 
-    /// The readings of a setting.
     pub fn readings(&self, setting: &Setting) -> Readings {
         let drives_nt = self.drives(setting);
         let first = self.covariance(setting, &drives_nt, &self.noise[0]);
@@ -157,12 +154,10 @@ impl Given {
         self.theodolite_shared_arcsec.hypot(self.theodolite_arcsec / (readings as f64).sqrt()) * ARCSEC
     }
 
-    /// Whether noise with memory is declared.
     pub fn has_memory(&self) -> bool {
         self.noise.iter().chain([&self.field_noise]).any(means::has_memory)
     }
 
-    /// The same with every noise changed.
     pub fn with_noise(&self, change: fn(&mut Noise)) -> Self {
         let mut given = self.clone();
         given.noise.iter_mut().chain([&mut given.field_noise]).for_each(change);

@@ -6,10 +6,10 @@ use physics::Unit;
 use physics::frames::Orientation;
 use std::borrow::Borrow;
 
+use crate::observations::Together;
 use crate::unknowns::Unknown;
 use crate::{
     AxesProblem, AxesState, Freedom, NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup,
-    Together,
 };
 
 /// Turns of the six directions.
@@ -30,7 +30,6 @@ pub struct Readings {
     /// What one standard uncertainty of each coil's gradient makes at each sensor in an orientation of the
     /// block: the share of the drive for each metre, and the places of the sensors in SEN, m.
     pub gradient_per_m: [f64; 3],
-    /// See there.
     pub positions_m: [Vector3<f64>; 3],
 }
 
@@ -47,7 +46,6 @@ pub struct Pieces {
 /// What orientations say, and how the gradients of the coils push it.
 #[derive(Clone, Debug)]
 pub struct Said {
-    /// Information on all that is common.
     pub information: Information,
     /// Jᵀ V⁻¹ times what one standard uncertainty of each coil's gradient adds to the readings.
     pub gradients: SMatrix<f64, ALL, 3>,
@@ -126,21 +124,18 @@ impl Derivatives {
         let state = AxesState::new(Matrix3::identity(), Matrix3::identity(), 1);
         let (_, jacobian) = estimate::linearised(&problem, &state);
         let (own, common) = (0..jacobian.ncols())
-            .partition(|place| matches!(problem.meaning()[*place], Unknown::Correction(..)));
+            .partition(|place| matches!(problem.meaning[*place], Unknown::Correction(..)));
         let mut gradients = DMatrix::zeros(observations.readings.len(), 3);
         for coil in 0..3 {
-            let mut column: Vec<f64> = observations
-                .readings
-                .iter()
-                .map(|reading| {
-                    let sensor = reading.sensor.index();
-                    // m·R (3 n (n·p) − p) B g/2 with m = 1, n = 1 and p = Rᵀ place.
-                    let place = &readings.positions_m[sensor];
-                    let coil_sen = rotation.column(coil);
-                    let seen = 0.5 * (3.0 * coil_sen[sensor] * coil_sen.dot(place) - place[sensor]);
-                    seen * readings.gradient_per_m[coil] * reading.drive_nt[coil] / reading.std_nt
-                })
-                .collect();
+            let pushed = |reading: &Observation| {
+                let sensor = reading.sensor.index();
+                // m·R (3 n (n·p) − p) B g/2 with m = 1, n = 1 and p = Rᵀ place.
+                let place = &readings.positions_m[sensor];
+                let coil_sen = rotation.column(coil);
+                let seen = 0.5 * (3.0 * coil_sen[sensor] * coil_sen.dot(place) - place[sensor]);
+                seen * readings.gradient_per_m[coil] * reading.drive_nt[coil] / reading.std_nt
+            };
+            let mut column: Vec<f64> = observations.readings.iter().map(pushed).collect();
             problem.whiten(&mut column);
             gradients.column_mut(coil).copy_from_slice(&column);
         }
@@ -177,11 +172,7 @@ fn observations(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readin
             orientation: Orientation { rotation: *rotation, uncertainty: *turns, moved_rad: 0.0 },
             recordings: Vec::new(),
         }],
-        readings: Axis::ALL
-            .into_iter()
-            .flat_map(|sensor| (0..count).map(move |row| (sensor, row)))
-            .map(|(sensor, row)| of(sensor, row))
-            .collect(),
+        readings: Axis::ALL.iter().flat_map(|sensor| (0..count).map(|row| of(*sensor, row))).collect(),
         together: Axis::ALL.map(together).into(),
         noise: NoiseSource::Declared,
         unit: Unit::Nanotesla,

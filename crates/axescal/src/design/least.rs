@@ -3,14 +3,13 @@
 use nalgebra::{Matrix3, SMatrix};
 use physics::frames::ARCSEC;
 use rayon::prelude::*;
+use serde::Serialize;
 
 use super::given::{Given, Setting, Times};
-use super::information::{ALL, Information, Pieces, Said, TURNS};
+use super::information::{ALL, Information, Pieces, Said};
 use super::radius::Reach;
 
-/// Settings of the block, at most.
 pub const MOST_SETTINGS: usize = 48;
-/// Drives of a setting, at most.
 const MOST_DRIVES: usize = 64;
 const CYCLES: [usize; 6] = [1, 2, 3, 4, 6, 8];
 const WEAKEST: [usize; 6] = [1, 2, 3, 5, 8, 12];
@@ -26,26 +25,35 @@ const WEAK: f64 = 1.5;
 /// Rounds in which orientations and readings settle.
 const ROUNDS: usize = 4;
 
-/// Recordings for the directions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recordings {
-    /// What is done in each setting of the block.
     pub setting: Setting,
     /// The orientation of each, by its number among the candidates; one may come several times.
     pub orientations: Vec<usize>,
 }
 
+/// Time at the facility, h.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Hours {
+    /// Turning the block, with the first reading of the theodolites.
+    pub orientations: f64,
+    pub theodolites: f64,
+    pub drives: f64,
+    pub temperatures: f64,
+    pub total: f64,
+}
+
 impl Recordings {
-    /// Time at the facility: turning the block, theodolites, drives, temperatures, h.
-    pub fn hours(&self, given: &Given) -> [f64; 4] {
-        let [turns, theodolites, drives] =
+    pub fn hours(&self, given: &Given) -> Hours {
+        let [orientations, theodolites, drives] =
             given.hours(&self.setting).map(|hours| hours * self.orientations.len() as f64);
         let Times { temperature_levels, temperature_s, .. } = given.times;
-        [turns, theodolites, drives, temperature_levels as f64 * temperature_s / 3600.0]
+        let temperatures = temperature_levels as f64 * temperature_s / 3600.0;
+        let total = orientations + theodolites + drives + temperatures;
+        Hours { orientations, theodolites, drives, temperatures, total }
     }
 }
 
-/// What is to be reached.
 #[derive(Clone, Debug)]
 pub struct Target {
     /// Error of a direction, arcsec.
@@ -87,10 +95,8 @@ pub fn covariance(said: &Said, prior: &Information) -> Option<Information> {
     Some(own + pushed * pushed.transpose())
 }
 
-/// The search for the least time.
 pub struct Search<'a> {
     pub given: &'a Given,
-    /// Orientations that the fixture can take.
     pub candidates: &'a [Matrix3<f64>],
     prior: Information,
     /// Each way to go through the drives, with what it says in each orientation.
@@ -271,8 +277,3 @@ impl<'a> Search<'a> {
         all.min_by(|a, b| worst(a).total_cmp(&worst(b))).unwrap_or_else(|| recordings.clone())
     }
 }
-
-/// Turns of the sensors, and of sensors and coils.
-pub const SENSORS: usize = 6;
-/// All of them.
-pub const BOTH: usize = TURNS;

@@ -120,22 +120,19 @@ pub fn limits(search: &Search<'_>, recordings: &Recordings, target: &Target) -> 
         .max_by(|a, b| target.reach.of(block(&sum, *a)).total_cmp(&target.reach.of(block(&sum, *b))))
         .unwrap_or(0);
     let trace = |part: &Information| part[(worst, worst)] + part[(worst + 1, worst + 1)];
-    let mut limits: Vec<Limit> = parts
-        .iter()
-        .map(|(source, part)| Limit {
-            source: source.clone(),
-            share: trace(part) / trace(&sum),
-            arcsec: axes(block(part, worst))[0] / ARCSEC,
-        })
-        .filter(|limit| limit.share > 1e-4)
-        .collect();
+    let all = parts.iter().map(|(source, part)| Limit {
+        source: source.clone(),
+        share: trace(part) / trace(&sum),
+        arcsec: axes(block(part, worst))[0] / ARCSEC,
+    });
+    let mut limits: Vec<Limit> = all.filter(|limit| limit.share > 1e-4).collect();
     limits.sort_by(|a, b| b.share.total_cmp(&a.share));
     limits
 }
 
 /// What more recordings and better instruments would give.
 pub fn more(search: &Search<'_>, recordings: &Recordings, target: &Target) -> Vec<More> {
-    let before: f64 = recordings.hours(search.given).iter().sum();
+    let before = recordings.hours(search.given).total;
     let worst_arcsec = |given: &Given, recordings: &Recordings| {
         target.worst_arcsec(search.covariance(given, recordings).as_ref())
     };
@@ -160,7 +157,7 @@ pub fn more(search: &Search<'_>, recordings: &Recordings, target: &Target) -> Ve
         .map(|(change, recordings)| More {
             change,
             worst_arcsec: worst_arcsec(search.given, &recordings),
-            hours: recordings.hours(search.given).iter().sum::<f64>() - before,
+            hours: recordings.hours(search.given).total - before,
         })
         .collect();
     type Change = fn(&Given) -> Given;

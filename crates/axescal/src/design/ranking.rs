@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::information::{Pieces, Readings, TURNS};
 use super::search::{Field, Information, Scored};
-use crate::Error;
+use crate::{Error, Result};
 
 /// Errors of one reading and of one orientation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -32,7 +32,6 @@ pub struct ErrorModel {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Design {
     pub error_model: ErrorModel,
-    /// Number of orientations that the fixture can take.
     pub candidates: usize,
     /// The set, R (GEO -> SEN) each.
     pub orientations: Vec<Matrix3x3>,
@@ -41,11 +40,9 @@ pub struct Design {
     /// The orientation to add to this set, and what it would bring.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub one_more: Option<OneMore>,
-    /// The best set of each size.
     pub table: Vec<Row>,
 }
 
-/// What one more orientation would buy.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct OneMore {
     /// R of the orientation to add.
@@ -71,11 +68,9 @@ pub fn design(
     error_model: ErrorModel,
     number: usize,
     table_to: usize,
-) -> Result<Design, Error> {
+) -> Result<Design> {
     check(candidates, &error_model, number)?;
-    let field = Field {
-        information: candidates.iter().map(|rotation| information(rotation, &error_model)).collect(),
-    };
+    let field = Field(candidates.iter().map(|rotation| information(rotation, &error_model)).collect());
     let last = table_to.max(number + 1).min(candidates.len());
     let sizes: Vec<(usize, Scored, &str)> = (2..=last).map(|size| field.best(size)).collect();
     let best = sizes.iter().find(|(size, ..)| *size == number).map(|(_, best, _)| best.clone());
@@ -121,18 +116,10 @@ pub fn design(
 /// Largest standard deviation of an off-diagonal cosine for a given set of orientations, arcsec.
 pub fn worst_arcsec(orientations: &[Matrix3<f64>], error_model: &ErrorModel) -> f64 {
     let all = orientations.iter().map(|rotation| information(rotation, error_model)).collect();
-    Field { information: all }.score((0..orientations.len()).collect()).worst
+    Field(all).score((0..orientations.len()).collect()).worst
 }
 
-fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Result<(), Error> {
-    let errors = [model.noise_nt, model.quantisation_nt, model.theodolite_arcsec];
-    if !(model.drive_nt.is_finite() && model.drive_nt > 0.0)
-        || errors.iter().any(|e| !e.is_finite() || *e < 0.0)
-    {
-        return Err(Error::Request(
-            "the drive must be a positive number and no error negative or infinite".into(),
-        ));
-    }
+fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Result<()> {
     if model.noise_nt + model.quantisation_nt < 1e-9 * model.drive_nt {
         return Err(Error::Request(
             "without noise or quantisation all sets are equally exact; give --noise-nt".into(),
@@ -145,12 +132,9 @@ fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Resu
         )));
     }
     if number > candidates.len() || number < 2 {
-        return Err(Error::Request(format!(
-            "{} of {}; choose at least 3 and at most {}",
-            counted(number, "orientation"),
-            counted(candidates.len(), "candidate"),
-            candidates.len()
-        )));
+        let (most, of) = (candidates.len(), counted(candidates.len(), "candidate"));
+        let number = counted(number, "orientation");
+        return Err(Error::Request(format!("{number} of {of}; choose at least 3 and at most {most}")));
     }
     Ok(())
 }
@@ -189,9 +173,7 @@ mod tests {
     #[test]
     fn exchange_finds_what_exhaustion_finds() {
         let all = frames::cube_rotations();
-        let field = Field {
-            information: all.iter().map(|rotation| information(rotation, &one_in_50_000())).collect(),
-        };
+        let field = Field(all.iter().map(|rotation| information(rotation, &one_in_50_000())).collect());
         for size in [3, 4, 5] {
             assert_eq!(field.exchange(size).worst, field.exhaustive(size).worst, "{size} orientations");
         }

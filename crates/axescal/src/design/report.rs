@@ -10,10 +10,11 @@ use std::fmt::Write;
 
 use super::basis;
 use super::given::{Given, Setting, listed};
-use super::least::{BOTH, SENSORS, Search, Target, block};
+use super::information::TURNS;
+use super::least::{Hours, Search, Target, block};
 use super::limits::{Limit, More, limits, more};
 use super::radius::{Reach, axes};
-use crate::Error;
+use crate::{Error, Result};
 
 /// Targets of the table beside the one that is asked for, arcsec.
 const TABLE_ARCSEC: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
@@ -42,48 +43,24 @@ pub struct Plan {
     pub limits: Vec<Limit>,
     pub more: Vec<More>,
     pub table: Vec<Cost>,
-    /// What the facility and the instrument err by.
     pub given: Given,
     /// The part of a plan for simulate that makes these recordings.
     pub procedure: Value,
 }
 
-/// What is recorded for the directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Recorded {
     /// Settings of the block.
     pub settings: usize,
     /// The orientation of each, R (GEO -> SEN).
     pub orientations: Vec<Matrix3x3>,
-    /// What is done in each.
     #[serde(flatten)]
     pub setting: Setting,
-    /// Drives in each.
     pub drives: usize,
     /// Largest field of each coil, nT.
     pub drive_nt: [f64; 3],
 }
 
-/// Time at the facility, h.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Hours {
-    /// Turning the block, with the first reading of the theodolites.
-    pub orientations: f64,
-    /// Reading the theodolites again.
-    pub theodolites: f64,
-    pub drives: f64,
-    pub temperatures: f64,
-    pub total: f64,
-}
-
-impl Hours {
-    fn of([orientations, theodolites, drives, temperatures]: [f64; 4]) -> Self {
-        let total = orientations + theodolites + drives + temperatures;
-        Self { orientations, theodolites, drives, temperatures, total }
-    }
-}
-
-/// Errors of the directions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Predicted {
     pub sensors: Directions,
@@ -101,10 +78,8 @@ pub struct Directions {
     pub within_arcsec: OneOrEach,
 }
 
-/// What a target costs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
-    /// The target, arcsec.
     pub target_arcsec: f64,
     /// Time at the facility, h; absent where it is out of reach.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -112,7 +87,6 @@ pub struct Cost {
     /// Settings of the block.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub settings: Option<usize>,
-    /// What is done in each.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub setting: Option<Setting>,
 }
@@ -122,11 +96,11 @@ pub struct Cost {
 /// # Errors
 ///
 /// A target that is out of reach of the most recordings that are tried, with what limits it.
-pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Result<Plan, Error> {
+pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Result<Plan> {
     let target = |arcsec: f64| Target {
         arcsec,
         reach: Reach::new(request.confidence),
-        turns: if request.coils { BOTH } else { SENSORS },
+        turns: if request.coils { TURNS } else { TURNS / 2 },
     };
     let search = Search::new(given, candidates);
     let asked = target(request.target_arcsec);
@@ -148,7 +122,7 @@ pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Res
         let found = search.least(&target(arcsec)).ok();
         Cost {
             target_arcsec: arcsec,
-            hours: found.as_ref().map(|found| found.hours(given).iter().sum()),
+            hours: found.as_ref().map(|found| found.hours(given).total),
             settings: found.as_ref().map(|found| found.orientations.len()),
             setting: found.map(|found| found.setting),
         }
@@ -162,10 +136,10 @@ pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Res
             drives: given.drives(&recordings.setting).len(),
             drive_nt: given.coil_nt,
         },
-        hours: Hours::of(recordings.hours(given)),
+        hours: recordings.hours(given),
         predicted: Predicted {
             sensors: directions(0),
-            coils: directions(SENSORS),
+            coils: directions(TURNS / 2),
             worst_arcsec: asked.worst_arcsec(Some(&covariance)),
         },
         limits: limits(&search, &recordings, &asked),
@@ -234,12 +208,8 @@ pub fn words(plan: &Plan) -> String {
         });
         let _ = writeln!(text, "  {kind} within: {}", each.join(", "));
     }
-    let shares: Vec<String> = plan
-        .limits
-        .iter()
-        .filter(|limit| limit.share >= 0.005)
-        .map(|limit| format!("{} {} %", limit.source, significant(100.0 * limit.share, 2)))
-        .collect();
+    let share = |limit: &Limit| format!("{} {} %", limit.source, significant(100.0 * limit.share, 2));
+    let shares: Vec<String> = plan.limits.iter().filter(|limit| limit.share >= 0.005).map(share).collect();
     let _ = writeln!(text, "  limited by: {}", shares.join(", "));
     for More { change, worst_arcsec, hours } in &plan.more {
         let cost = if *hours == 0.0 { String::new() } else { format!(", {} h more", significant(*hours, 2)) };

@@ -8,17 +8,13 @@ use super::information::TURNS;
 
 /// Sets up to this number are all tried; beyond, the search exchanges members.
 const MOST_SETS: f64 = 1.5e6;
-/// Beginnings of the exchange search.
 const BEGINNINGS: usize = 24;
 
 /// What an orientation says on the directions; informations add.
 pub type Information = SMatrix<f64, TURNS, TURNS>;
 
-/// The candidates with their information.
-pub struct Field {
-    /// Information of each candidate on the directions.
-    pub information: Vec<Information>,
-}
+/// Information of each candidate on the directions.
+pub struct Field(pub Vec<Information>);
 
 /// A set with its score, rounded so that sets equal but for rounding are equal.
 #[derive(Clone, Debug, PartialEq, PartialOrd)]
@@ -32,7 +28,7 @@ pub struct Scored {
 impl Field {
     pub fn score(&self, mut members: Vec<usize>) -> Scored {
         members.sort_unstable();
-        let sum = members.iter().fold(Information::zeros(), |sum, &member| sum + self.information[member]);
+        let sum = members.iter().fold(Information::zeros(), |sum, &member| sum + self.0[member]);
         let scale = SVector::<f64, TURNS>::from_fn(|k, _| sum[(k, k)]).max();
         let worst = match sum.cholesky() {
             Some(root) if root.l_dirty().diagonal().min().powi(2) > 1e-9 * scale => {
@@ -50,7 +46,7 @@ impl Field {
     /// The best set of a size with the search that found it: of all sets where that is feasible, else by
     /// exchange.
     pub fn best(&self, size: usize) -> (usize, Scored, &'static str) {
-        let count = self.information.len();
+        let count = self.0.len();
         let sets = (0..size).map(|k| (count - k) as f64 / (size - k) as f64).product::<f64>();
         if sets <= MOST_SETS {
             (size, self.exhaustive(size), "exhaustive")
@@ -60,7 +56,7 @@ impl Field {
     }
 
     pub fn exhaustive(&self, size: usize) -> Scored {
-        let count = self.information.len();
+        let count = self.0.len();
         let least = |a: Scored, b: Scored| if b < a { b } else { a };
         let none = || Scored { worst: f64::INFINITY, members: (0..size).collect() };
         (0..=count - size)
@@ -85,7 +81,7 @@ impl Field {
 
     /// Exchanges one member for one candidate as long as that helps, from several beginnings.
     pub fn exchange(&self, size: usize) -> Scored {
-        let count = self.information.len();
+        let count = self.0.len();
         let improve = |mut members: Vec<usize>| {
             let mut best = self.score(members.clone());
             loop {

@@ -1,7 +1,7 @@
 //! Documents that depart from the plain case: each is answered rightly, or refused in words.
 
-use axescal::{Coils, Options};
-use common::{AxesCalibration, Axis, Column, Document, OneOrEach, PerAxis, Quantity};
+use axescal::Options;
+use common::{Axis, Column, Document, PerAxis, Quantity};
 
 use crate::build::{self, axes, procedure, refused, says, simulated, solved, worst_arcsec};
 
@@ -101,24 +101,6 @@ fn noise_declared_for_one_sensor_only_is_not_mixed_with_a_guess() {
 }
 
 #[test]
-fn known_coils_with_an_uncertainty_need_one_orientation_and_three_drives() {
-    let mut plan = plan();
-    drives(&mut plan, &["x", "y", "z"]);
-    let simulate::Campaign { mut document, truth } = simulated(&plan);
-    document.recordings.truncate(1);
-    let mut coils = truth.calibration.axes.as_ref().and_then(|axes| axes.coils.clone()).expect("coils");
-    coils.std_arcsec = Some(OneOrEach::One(2.0));
-    document.calibration.as_mut().expect("constants").axes =
-        Some(AxesCalibration { coils: Some(coils), ..AxesCalibration::default() });
-    let options = Options { coils: Coils::Known, ..Options::default() };
-    let document = axescal::run(document, &options).unwrap_or_else(|error| panic!("{error}"));
-    let sensors = axes(&document).sensors.as_ref().and_then(|part| part.std_arcsec.as_ref());
-    let std = sensors.and_then(|std| std.get(Axis::X)).expect("an uncertainty");
-    // The coils' 2" and what an offset of 0.3 nT and 0.1 nT of the coils' make of 50 000 nT.
-    assert!(std > 2.0 && std < 3.0, "{std}");
-}
-
-#[test]
 fn readings_that_do_not_fit_are_not_called_a_want_of_orientations() {
     let mut document = simulated(&plan()).document;
     swap(&mut document, 1, 4);
@@ -208,7 +190,7 @@ fn a_robust_fit_does_not_hide_whole_orientations() {
 
 #[test]
 fn known_coils_are_never_the_result_of_the_same_readings() {
-    let known = Options { coils: Coils::Known, ..Options::default() };
+    let known = Options { known_coils: true, ..Options::default() };
     let document = solved(simulated(&plan()).document);
     let error = axescal::run(document.clone(), &known).expect_err("counted twice").to_string();
     assert!(error.contains("found from these same recordings"), "{error}");

@@ -1,7 +1,10 @@
-//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept.
+//! Golden documents, a line a case (BLESS=1 writes them anew; read the difference before it is kept), faults
+//! with their messages, and the program's help.
 
-use axescal::{Coils, Options, Start};
+use axescal::{Options, Start};
 use common::{Axis, Document, to_text};
+
+const AXESCAL: &str = env!("CARGO_BIN_EXE_axescal");
 
 fn case(name: &str, input: &str, options: Options) {
     testkit::golden(&format!("axescal/{name}"), input, |text| {
@@ -24,12 +27,23 @@ fn golden() {
     case(
         "magsat-known-coils",
         "axescal/magsat-known-coils/input.json",
-        Options { coils: Coils::Known, ..plain() },
+        Options { known_coils: true, ..plain() },
     );
     case("magsat-again", "axescal/magsat/expected.json", Options { start: Start::Document, ..plain() });
 }
 
 #[test]
 fn readings_in_files_beside_the_document() {
-    testkit::beside(env!("CARGO_BIN_EXE_axescal"), "axescal/magsat/input.json");
+    testkit::beside(AXESCAL, "axescal/magsat/input.json");
+}
+
+#[test]
+fn each_fault_has_its_message() {
+    assert!(testkit::faults("bad", AXESCAL) >= 20);
+}
+
+#[test]
+fn examples_run_and_completions_and_man_pages_are_there() {
+    testkit::examples(AXESCAL, &[]);
+    testkit::manual(AXESCAL);
 }

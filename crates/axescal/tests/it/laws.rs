@@ -1,86 +1,141 @@
-//! Laws that hold whatever the data: the names of axes, the unit of the field and the choice of GEO do not
-//! matter.
+//! Laws over drawn campaigns: what does not matter to the directions, and what changes them in a known way.
+//! FLUXCAL_CAMPAIGNS sets how many.
+//!
+//! Not asked here: splitting a run with a sine, whose amplitude is of the whole run.
 
-use axescal::{AxesProblem, AxesState, Freedom, NoiseFactors, Observations, Options};
-use common::{Axis, Document};
-use nalgebra::Matrix3;
-use physics::frames::{cube_rotations, small_rotation};
-use proptest::prelude::*;
+use axescal::Options;
+use serde_json::{Value, json};
+use testkit::laws::{self, Close};
 
-fn observations() -> Observations {
-    let document =
-        Document::parse(&testkit::read_fixture("nasa-1977/table-4.json")).expect("a good document");
-    axescal::observe(&document, &Options::default()).expect("readings")
+fn plan(seed: u64) -> Value {
+    let mut plan = laws::plan(
+        seed,
+        json!([
+            {"procedure": "axes_orientation", "id": "axes", "orientations": "nasa_table_3", "drive_nt": 50000, "fixture_std_arcmin": 2.0,
+                "drives": ["zero", "x", "-x", "y", "-y", "z", "-z", "zero"]},
+            {"procedure": "axes_orientation", "id": "ac", "orientations": "nasa_figure_9", "drive_nt": 50000, "fixture_std_arcmin": 2.0,
+                "drives": ["x", "y", "z"], "ac": {"hz": 0.1, "cycles": 4, "rate_hz": 1, "dither_nt": 10}}
+        ]),
+    );
+    plan["unstated"] = json!(["axes"]);
+    plan["instrument"]["noise"] = json!({"white_rms_nt": 0.5});
+    plan
 }
 
-fn solved(observations: &Observations, mu: &Matrix3<f64>, eta: &Matrix3<f64>) -> AxesState {
-    let start = AxesState::new(*mu, *eta, observations.orientations.len());
-    let freedom = Freedom::default();
-    let problem = AxesProblem::new(observations, &freedom, NoiseFactors::ONE);
-    estimate::solve(&problem, start, None, &estimate::Options::default()).expect("a minimum").state
+/// The same with temperatures that act.
+fn warm(seed: u64) -> Value {
+    let mut plan = plan(seed);
+    plan["truth"]["model"] = laws::warm(seed);
+    plan["temperatures"]["daily_k"] = 3.0.into();
+    plan
 }
 
-/// Asserts that the readings of Table 4, changed, give the directions that are expected of those they had. The
-/// start is changed with them.
-fn holds(
-    change: impl Fn(&mut Observations),
-    start: [Matrix3<f64>; 2],
-    expected: impl Fn(AxesState) -> [Matrix3<f64>; 2],
-) -> Result<(), TestCaseError> {
-    let mut observations = observations();
-    let [mu, eta] = expected(solved(&observations, &Matrix3::identity(), &Matrix3::identity()));
-    change(&mut observations);
-    let found = solved(&observations, &start[0], &start[1]);
-    prop_assert!((found.mu - mu).amax() < 1e-9);
-    prop_assert!((found.eta - eta).amax() < 1e-9);
-    Ok(())
+fn campaign(plan: &Value) -> Value {
+    let model = plan["truth"]["model"].clone();
+    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
+    let mut document = laws::json(&simulate::campaign(&plan).expect("simulated").document);
+    if !model.is_null() {
+        document["model"] = model;
+    }
+    document
 }
 
-proptest! {
-    #![proptest_config(ProptestConfig::with_cases(32))]
+fn run(document: &Value) -> Value {
+    laws::stage(|document| axescal::run(document, &Options::default()))(document)
+}
 
-    #[test]
-    fn turning_geo_turns_the_coils(turn in prop::array::uniform3(-3.0..3.0f64)) {
-        let q = small_rotation(&turn.into());
-        let turned = |all: &mut Observations| {
-            all.orientations.iter_mut().for_each(|group| group.orientation.rotation *= q.transpose());
+/// Each law over so many campaigns.
+fn each(law: impl Fn(u64, &Value)) {
+    (0..testkit::campaigns(4)).for_each(|seed| law(seed, &campaign(&plan(seed))));
+}
+
+/// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are
+/// counted.
+const WAY: &[&str] = &["iterations", "singular_values"];
+/// The way; and how far a coil is from its nominal axis is another angle in another frame.
+const TURNED: &[&str] = &["iterations", "singular_values", "coils.off_nominal_arcsec", "residual_field_nt"];
+/// The way; and a reading without drive is listed under the first coil, whatever its name.
+const NAMED: &[&str] = &["iterations", "singular_values", "readings.coil"];
+
+/// A change of the document, by the campaign, changes the answer alike.
+fn commutes(name: &str, change: impl Fn(&Value, u64) -> Value, close: &Close) {
+    each(|seed, document| laws::commutes(name, document, |document| change(document, seed), run, close));
+}
+
+#[test]
+fn the_names_of_the_axes_do_not_matter() {
+    commutes("rename", |document, _| laws::rename_axes(document), &Close::SOLVED.but(NAMED));
+}
+
+#[test]
+fn volts_and_amperes_by_another_measure_change_no_direction() {
+    commutes("volts", |document, _| laws::scale_volts(document, 0.73), &Close::SUMMED);
+}
+
+#[test]
+fn turning_geo_turns_the_coils_and_nothing_else() {
+    let turn = |document: &Value, seed: u64| laws::rotate_geo(document, &laws::rotation(seed));
+    commutes("geo", turn, &Close::SOLVED.but(TURNED));
+    each(|seed, document| {
+        let q = laws::rotation(seed);
+        let turned = |document: &Value| {
+            laws::rotate_geo(document, &q)["calibration"]["axes"]["residual_field_nt"].clone()
         };
-        holds(turned, [Matrix3::identity(), q], |state| [state.mu, q * state.eta])?;
+        let (expected, found) = (turned(&run(document)), run(&laws::rotate_geo(document, &q)));
+        for axis in ["x", "y", "z"] {
+            let found = &found["calibration"]["axes"]["residual_field_nt"][axis];
+            let off = found["value"].as_f64().expect("a field") - expected[axis].as_f64().expect("a field");
+            let std = found["std"].as_f64().expect("an uncertainty");
+            assert!(off.abs() < 1e-3 * std, "residual field {axis}: {off}");
+        }
+    });
+}
+
+#[test]
+fn the_order_of_recordings_does_not_matter() {
+    commutes("order", laws::reorder, &Close::SUMMED.but(WAY));
+}
+
+#[test]
+fn an_orientation_in_two_recordings_is_the_same() {
+    for seed in 0..testkit::campaigns(4) {
+        let mut plan = plan(seed);
+        plan["procedures"].as_array_mut().expect("a list").truncate(1);
+        let halves = |document: &Value| laws::split(document, "axes_orientation", 1, seed);
+        // What was recorded differs, and with the ids and rows the list of all readings.
+        let close = Close::SUMMED.but(&["recordings", "axes.readings", "doubtful", "iterations"]);
+        laws::invariant("split", &campaign(&plan), halves, run, &close);
     }
+}
 
-    #[test]
-    fn turning_sen_turns_the_sensors(which in 0usize..24) {
-        let q = cube_rotations()[which];
-        let turned = |all: &mut Observations| {
-            for group in &mut all.orientations {
-                group.orientation.rotation = q * group.orientation.rotation;
-            }
-        };
-        holds(turned, [q, Matrix3::identity()], |state| [q * state.mu, state.eta])?;
+#[test]
+fn twice_the_noise_is_twice_the_interval() {
+    for seed in 0..testkit::campaigns(4) {
+        let mut plan = plan(seed);
+        // Noise alone is doubled: what errs besides (theodolites, stated constants) would be another part of
+        // the residuals.
+        plan["facility"].as_object_mut().expect("a facility").remove("theodolite_arcsec");
+        for exact in ["coils", "sensors"] {
+            plan["truth"]["calibration"].as_object_mut().expect("constants").remove(exact);
+        }
+        let (document, quiet) = (campaign(&plan), campaign(&laws::quiet(&plan)));
+        let louder = run(&laws::double_noise(&document, &quiet));
+        let axes = |document: &Value| document["calibration"]["axes"].clone();
+        // Angles move by 1e-5 rad with the noise, and the readings' derivatives with them.
+        let count = laws::doubled("noise", &axes(&louder), &axes(&run(&document)), 1e-3, &[]);
+        assert!(count >= 20, "{count} quantities");
     }
+}
 
-    #[test]
-    fn the_unit_of_the_field_does_not_matter(factor in 1e-3..1e3f64) {
-        let scaled = |all: &mut Observations| {
-            for reading in &mut all.readings {
-                reading.value_nt *= factor;
-                reading.drive_nt *= factor;
-                reading.std_nt *= factor;
-            }
-        };
-        holds(scaled, [Matrix3::identity(); 2], |state| [state.mu, state.eta])?;
-    }
+#[test]
+fn unknown_keys_change_nothing_and_stay() {
+    each(|_, document| laws::keeps_unknown_keys(document, run));
+}
 
-    #[test]
-    fn the_order_of_readings_and_the_names_of_sensors_do_not_matter(shift in 1usize..62) {
-        let renamed = |all: &mut Observations| {
-            all.readings.rotate_left(shift);
-            for reading in &mut all.readings {
-                reading.sensor = Axis::ALL[(reading.sensor.index() + 1) % 3];
-            }
-        };
-        let cycle = |matrix: Matrix3<f64>| Matrix3::from_columns(&[matrix.column(2), matrix.column(0), matrix.column(1)]);
-        let start = [cycle(Matrix3::identity()), Matrix3::identity()];
-        holds(renamed, start, |state| [cycle(state.mu), state.eta])?;
+#[test]
+fn a_reference_temperature_moves_no_direction() {
+    for seed in 0..testkit::campaigns(4) {
+        let law = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
+        laws::commutes("reference", &campaign(&warm(seed)), law, run, &Close::SOLVED.but(&["iterations"]));
     }
 }

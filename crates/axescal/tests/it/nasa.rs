@@ -125,13 +125,8 @@ fn the_same_from_the_full_document_with_one_sensor_and_one_coil() {
     let options = Options { sensor: Some(Axis::X), coil: Some(Axis::Z), ..Options::default() };
     let axes = solved("table-4", &options);
     assert!(axes.sensors.is_none(), "the result for all is not touched");
-    let found = axes
-        .subset
-        .expect("a subset")
-        .sensors
-        .and_then(|part| part.directions)
-        .and_then(|all| all.x)
-        .expect("sensor x");
+    let sensors = axes.subset.expect("a subset").sensors;
+    let found = sensors.and_then(|part| part.directions?.x).expect("sensor x");
     for (found, printed) in found.iter().zip([0.99975, 0.01, 0.02]) {
         assert!((found - printed).abs() < 5e-6);
     }
@@ -144,16 +139,9 @@ fn against_scipy() {
     for (key, name) in [("all", "table-4"), ("1-2-4", "table-4-1-2-4")] {
         let axes = solved(name, &Options::default());
         for (found, part) in matrices(&axes).iter().zip(["mu", "eta"]) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    let reference = figures[key][part][i][j].as_f64().expect("a number");
-                    assert!(
-                        (found[(i, j)] - reference).abs() < 1e-9,
-                        "{key} {part}[{i}][{j}]: {} {reference}",
-                        found[(i, j)]
-                    );
-                }
-            }
+            let number = |i: usize, j: usize| figures[key][part][i][j].as_f64().expect("a number");
+            let reference = Matrix3::from_fn(number);
+            assert!((found - reference).amax() < 1e-9, "{key} {part}: {found} {reference}");
         }
         let fit = axes.fit.expect("a fit");
         let sum = fit.rms_nt.powi(2) * fit.readings as f64 / 50_000f64.powi(2);
@@ -175,11 +163,8 @@ fn worst_case_arcseconds_of_table_3() {
         drive_nt: 50_000.0,
         theodolite_arcsec: 0.0,
     };
-    let orientations: Vec<Matrix3<f64>> = document("table-4")
-        .recordings
-        .iter()
-        .map(|recording| matrix(&recording.conditions.orientation.expect("an orientation")))
-        .collect();
+    let rotation = |of: &common::Recording| matrix(&of.conditions.orientation.expect("an orientation"));
+    let orientations: Vec<Matrix3<f64>> = document("table-4").recordings.iter().map(rotation).collect();
     assert!((design::worst_arcsec(&orientations[..4], &model) - 2.99).abs() < 5e-3);
     assert!((design::worst_arcsec(&orientations, &model) - 1.82).abs() < 5e-3);
     assert!(design::worst_arcsec(&orientations[..3], &model).is_infinite());

@@ -1,13 +1,13 @@
 //! Far starts, reversed wiring, swapped columns, a given first model, coils known beforehand.
 
-use axescal::{Coils, Options, Start};
+use axescal::{Options, Start};
 use common::{AxesCalibration, AxesDirections, Axis, Document, OneOrEach, Quantity};
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
-use physics::frames::{ARCSEC, rows};
+use physics::frames::{ARCSEC, cube_rotations, matrix, rows};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use crate::build::{self, axes, columns, off_arcsec, procedure, refused, solved};
+use crate::build::{self, axes, columns, matrices, off_arcsec, procedure, refused, solved};
 
 fn plan() -> simulate::Plan {
     build::plan("magsat-axes")
@@ -100,6 +100,26 @@ fn a_first_model_from_the_document() {
     assert!(axes(&document).findings.is_empty(), "{:?}", axes(&document).findings);
 }
 
+/// SEN by another name turns every orientation, the start, and the sensors.
+#[test]
+fn turning_sen_turns_the_sensors_and_nothing_else() {
+    let document = Document::parse(&testkit::read_fixture("nasa-1977/table-4.json")).expect("a document");
+    let [mu, eta] = matrices(axes(&solved(document.clone())));
+    for q in cube_rotations() {
+        let mut turned = document.clone();
+        for recording in &mut turned.recordings {
+            let orientation = recording.conditions.orientation.as_mut().expect("an orientation");
+            *orientation = rows(&(q * matrix(orientation)));
+        }
+        let coils = directions(&Matrix3::identity());
+        turned.calibration.get_or_insert_default().axes =
+            Some(AxesCalibration { sensors: directions(&q), coils, ..Default::default() });
+        let options = Options { start: Start::Document, ..Options::default() };
+        let [sensors, coils] = matrices(axes(&axescal::run(turned, &options).expect("directions")));
+        assert!((sensors - q * mu).amax() < 1e-9 && (coils - eta).amax() < 1e-9, "{q}");
+    }
+}
+
 /// One orientation only, three drives: enough when the coils are known (NASA eq. 33).
 fn one_orientation(full_drives: bool) -> simulate::Plan {
     let mut plan = plan();
@@ -124,7 +144,7 @@ fn known_coils_need_one_orientation_and_any_drives() {
             Some(AxesCalibration { coils: Some(coils.clone()), ..Default::default() });
         let unknown = refused(document.clone());
         assert!(unknown.contains("can turn together in 3 independent ways"), "{unknown}");
-        let options = Options { coils: Coils::Known, ..Options::default() };
+        let options = Options { known_coils: true, ..Options::default() };
         let document = axescal::run(document, &options).expect("directions");
         assert!(sensors_off(&document, &mu) < 15.0, "{}", sensors_off(&document, &mu));
         assert_eq!(axes(&document).known_coils, Some(coils), "what was given stands beside what came of it");
@@ -178,7 +198,7 @@ fn noiseless_known_coils_equal_the_closed_form() {
         (rotation * eta * b.try_inverse().expect("regular")).try_inverse().expect("regular").transpose();
     document.calibration.get_or_insert_default().axes =
         Some(AxesCalibration { coils: directions(&eta), ..Default::default() });
-    let known = Options { coils: Coils::Known, ..Options::default() };
+    let known = Options { known_coils: true, ..Options::default() };
     let document = axescal::run(document, &known).expect("directions");
     let found = build::columns(&axes(&document).sensors);
     assert!((found - closed).amax() < 1e-9, "{found} {closed}");

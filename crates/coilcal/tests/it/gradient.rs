@@ -1,6 +1,6 @@
 //! Surveys along a coil's axis against what is true.
 
-use common::{Axis, Document};
+use common::Axis;
 use serde_json::{Value, json};
 
 use crate::build::{calibrated, simulated};
@@ -44,22 +44,4 @@ fn intervals_of_the_terms_cover() {
     println!("{covered:?} of 300");
     // The error within a distance is a maximum, and so a little too large where noise decides its place.
     assert!(covered[..4].iter().all(|count| (274..=296).contains(count)), "{covered:?}");
-}
-
-#[test]
-fn two_surveys_give_the_gradient_coil() {
-    let document = Document::parse(&testkit::read_fixture("coilcal/uneven/input.json")).expect("a document");
-    let coils = calibrated(document);
-    let gradient = coils.coil(Axis::X).and_then(|coil| coil.gradient_coil.clone()).expect("two surveys");
-    // At −0.3 m −0.605 nT with 0.1 A and −0.205 nT with 0.2 A: zero at 0.1 + 0.1 · 0.605/0.4.
-    assert!((gradient.current_a.value() - 0.25125).abs() < 1e-9, "{gradient:?}");
-    assert_eq!(gradient.position_m, -0.3);
-    // A coil without a recording keeps what was stated, keys that nobody knows included.
-    let stated = coils.coil(Axis::Y).expect("coil y");
-    assert_eq!(stated.extra["maker"], "stated");
-    // B0 from unequal repeats and nulls: near 1 nT and 40 000 nT/A.
-    let coil = coils.coil(Axis::X).expect("coil x");
-    let fit = coil.constant.as_ref().expect("a fit");
-    assert_eq!((fit.readings, fit.levels, fit.residuals.readings.clone()), (10, 6, vec![1, 1, 1, 3, 2, 2]));
-    assert!((coil.offset_nt.as_ref().expect("B0").value() - 1.0).abs() < 0.2);
 }

@@ -32,10 +32,8 @@ fn the_merged_spectrum_is_that_of_the_site() {
         for (name, flicker) in [("weekday-day", 0.002), ("weekend-night", 0.0002)] {
             let site = &nulling.sites[name];
             let bands: Vec<[f64; 2]> = site.series.iter().map(|series| series.band_hz).collect();
-            assert!(
-                (bands[0][1] - 0.08).abs() < 1e-9 && bands[1][0] == bands[0][1] && bands[2][1] == 64.0,
-                "{bands:?}"
-            );
+            let end = bands[0][1];
+            assert!((end - 0.08).abs() < 1e-9 && bands[1][0] == end && bands[2][1] == 64.0, "{bands:?}");
             for axis in [Axis::X, Axis::Y] {
                 let spectrum = site.spectra.get(axis).expect("a spectrum");
                 for (k, f) in spectrum.frequency_hz.iter().enumerate() {

@@ -31,7 +31,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     let level = estimate::stats::mean(&as_it_came);
     let as_it_came: Vec<f64> = as_it_came.iter().map(|left| left - level).collect();
     let recordings: Vec<String> = observed.runs.iter().map(|run| run.recording.id.clone()).collect();
-    let covariates = super::covariates(document, &recordings);
+    let covariates = joined::beside(document, &recordings);
     let found = rows.level()?;
     let of = paired::find(&rows.pair(&found), super::asked(document, &recordings, &covariates), told)?
         .explained(told)?;

@@ -13,7 +13,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Er
     let (frozen, document) = frozen::without(document);
     let document = &less_effects(&document)?;
     let read = joined::read(document)?;
-    let covariates = super::covariates(document, &read.recordings);
+    let covariates = joined::beside(document, &read.recordings);
     let of =
         paired::find(&read, super::asked(document, &read.recordings, &covariates), told)?.explained(told)?;
     let as_it_came = (0..3).map(|axis| rms(&stated(document, &read, axis, &of.rows))).collect();

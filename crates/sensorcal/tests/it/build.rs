@@ -153,3 +153,37 @@ pub fn outside(name: &str, held: &[bool], band: [f64; 2], judged: usize) -> Opti
     let agrees = testkit::agrees(inside, held.len(), band, judged);
     (!agrees).then(|| format!("{name}: {share:.3} of {}", held.len()))
 }
+
+/// A parameter of an effect that is true; zero where there is no such effect.
+pub fn true_effect(truth: &simulate::Truth, name: &str, sensor: Axis, parameter: &str) -> f64 {
+    let effect = truth.model.effects.iter().find(|e| e.effect == name && e.sensor == Some(sensor));
+    effect.map_or(0.0, |effect| effect.parameters[parameter].value())
+}
+
+/// Coefficients of a sensor by name, each with what is true of it: of temperatures, and of fields across.
+pub fn coefficients<'a>(
+    sensor: &'a SensorCalibration,
+    truth: &simulate::Truth,
+    axis: Axis,
+) -> [Vec<(String, &'a Quantity, f64)>; 2] {
+    let one = |effect: &str, parameter: &str, quantity: &'a Quantity| {
+        (format!("{effect} {parameter}"), quantity, true_effect(truth, effect, axis, parameter))
+    };
+    let (mut thermal, mut across) = (Vec::new(), Vec::new());
+    let temperature = sensor.temperature.as_ref().expect("temperatures");
+    for (part, of) in [("", &temperature.sensor), ("electronics_", &temperature.electronics)] {
+        let of = of.as_ref().expect("a part");
+        let [scale, shift] = ["sensitivity", "offset"].map(|what| format!("{what}_{part}temperature"));
+        let [scale2, shift2] =
+            [&of.sensitivity_ppm_per_k2, &of.offset_nt_per_k2].map(|of| of.as_ref().expect("a curvature"));
+        thermal.push(one(&scale, "coefficient_ppm_per_k", &of.sensitivity_ppm_per_k));
+        thermal.push(one(&scale, "curvature_ppm_per_k2", scale2));
+        thermal.push(one(&shift, "coefficient_nt_per_k", &of.offset_nt_per_k));
+        thermal.push(one(&shift, "curvature_nt_per_k2", shift2));
+    }
+    let cross = sensor.cross_field.as_ref().expect("transverse fields");
+    for (effect, found) in [("cross_field", &cross.offset), ("cross_field_sensitivity", &cross.sensitivity)] {
+        across.extend(found.iter().map(|(name, quantity)| one(effect, name, quantity)));
+    }
+    [thermal, across]
+}

@@ -1,6 +1,6 @@
 //! Temperatures and fields across.
 
-use common::TemperatureFit;
+use common::{Axis, TemperatureFit};
 use noise::Stream;
 use serde_json::{Value, json};
 
@@ -49,30 +49,6 @@ fn fitted(document: &Value) -> TemperatureFit {
 }
 
 #[test]
-fn coefficients_and_the_report_s_slopes() {
-    let adds = |b: f64, s: f64, _: f64| b * 1e-6 * (28.0 * s + 0.05 * s * s) + 0.05 * s - 0.001 * s * s;
-    let fit = fitted(&document(vec![heated(1, "run", &sensor_steps(), adds)]));
-    let part = fit.sensor.expect("the sensor");
-    assert!(fit.electronics.is_none());
-    for (name, quantity, truth) in [
-        ("ppm/K", &part.sensitivity_ppm_per_k, 28.0),
-        ("ppm/K2", part.sensitivity_ppm_per_k2.as_ref().expect("a curvature"), 0.05),
-        ("nT/K", &part.offset_nt_per_k, 0.05),
-        ("nT/K2", part.offset_nt_per_k2.as_ref().expect("a curvature"), -0.001),
-        ("three points, ppm/K", &part.three_point["sensitivity_ppm_per_k"], 28.0),
-        ("three points, nT/K", &part.three_point["offset_nt_per_k"], 0.05),
-    ] {
-        assert!(near(quantity, truth, 3.5), "{name}: {quantity:?}");
-    }
-    // 23 + 0.05/(2 · 0.001) = 48 degC.
-    let extremum = &part.extrema_c["offset"];
-    assert!(near(extremum, 48.0, 3.5), "{extremum:?}");
-    assert_eq!(part.range_c, [-7.0, 53.0]);
-    assert_eq!((fit.levels.branch[3], fit.levels.branch[5], fit.levels.branch[12]), (1, -1, 1));
-    assert!(part.lag.contains("were not recorded"), "{}", part.lag);
-}
-
-#[test]
 fn branches_that_differ_are_told() {
     // 2 nT more on the way down: the readings themselves do not say the way, their order does.
     let steps = sensor_steps();
@@ -113,33 +89,6 @@ fn both_parts_apart_and_their_product() {
     assert!((electronics.sensitivity_ppm_per_k.value() - 3.0).abs() < 0.2);
 }
 
-/// A temperature that is followed on its way, a reading every 30 s, and an offset that follows it `lag_s`
-/// late.
-fn followed(lag_s: f64) -> Value {
-    let mut stream = Stream::new(5, "followed");
-    let mut late = 23.0;
-    let rows = (0..1200).map(|row| {
-        let t = 30.0 * f64::from(row);
-        let now = 23.0 + 15.0 * (std::f64::consts::TAU * t / 12_000.0).sin();
-        let field = if row % 3 == 0 { 0.0 } else { 30_000.0 * f64::from(row % 3 * 2 - 3) };
-        late = if lag_s > 0.0 { late + (now - late) * (1.0 - (-30.0 / lag_s).exp()) } else { now };
-        let volts = read(&mut stream, field + 0.1 * (late - 23.0), 0.0, 0.1);
-        [t, field / COIL, volts, now, 23.0]
-    });
-    document(vec![run("followed", rows.collect())])
-}
-
-#[test]
-fn a_lag_is_found_where_there_is_one() {
-    let part = fitted(&followed(600.0)).sensor.expect("the sensor");
-    let lag = part.lag_s.expect("a lag");
-    // The temperature was stepped, not followed by straight lines: half a step of 30 s.
-    assert!((lag.value() - 600.0).abs() < 20.0 + 3.5 * lag.std().expect("a std"), "{lag:?}");
-    assert!((part.offset_nt_per_k.value() - 0.1).abs() < 0.01);
-    let none = fitted(&followed(0.0)).sensor.expect("the sensor");
-    assert!(none.lag_s.is_none() && none.lag.contains("no lag was detected"), "{}", none.lag);
-}
-
 /// Seven fields along at each field across, from both sides by a quarter turn; the sensor leans by 20″.
 fn across(seed: u64, levels: &[f64], even: f64) -> Vec<Value> {
     let lean = 20.0 / 206_264.8;
@@ -170,21 +119,22 @@ fn across(seed: u64, levels: &[f64], even: f64) -> Vec<Value> {
 #[test]
 fn a_lean_is_not_taken_for_an_effect_of_fields_across() {
     let levels = [-60_000.0, -20_000.0, 0.0, 20_000.0, 60_000.0];
-    let leaning = sensor(&document(across(6, &levels, 0.0))).cross_field.expect("transverse fields");
+    let found = build::run(&document(across(6, &levels, 0.0))).expect("calibrated");
+    let leaning = build::of(&found, Axis::X).cross_field.as_ref().expect("transverse fields");
     assert!(leaning.significance.expect("a test").p_value > 0.01);
     for misalignment in &leaning.misalignments {
         assert!(near(&misalignment.angle_arcsec, 20.0, 3.5), "{misalignment:?}");
     }
-    let found = build::run(&document(across(6, &levels, 0.0))).expect("calibrated");
     assert!(found.model.is_none_or(|model| model.effects.is_empty()));
-    // 3 nT, even in the field along z (v in SEN); the field from the other side (u) does nothing.
-    let with_effect = sensor(&document(across(6, &levels, 3.0))).cross_field.expect("transverse fields");
-    let (first, second) = (&with_effect.offset["first_nt"], &with_effect.offset["second_nt"]);
-    assert!(near(second, 3.0, 3.5) && near(first, 0.0, 3.5), "{first:?} {second:?}");
-    assert!(with_effect.significance.expect("a test").p_value < 1e-10);
-    assert!(with_effect.difference.expect("a test").p_value < 1e-10);
-    let held_out = with_effect.held_out.expect("held out");
-    assert!(held_out.before_nt > 0.5 && held_out.after_nt < 0.13, "{held_out:?}");
+    // An effect that is even in the field along z (v in SEN); the field from the other side (u) does nothing.
+    let small = [-20_000.0, -10_000.0, 0.0, 10_000.0, 20_000.0];
+    for (seed, levels, nt, p) in [(6, levels, 3.0, 1e-10), (22, small, 8.0, 1e-6)] {
+        let acting = sensor(&document(across(seed, &levels, nt))).cross_field.expect("transverse fields");
+        let (first, second) = (&acting.offset["first_nt"], &acting.offset["second_nt"]);
+        assert!(near(second, nt, 3.5) && near(first, 0.0, 3.5), "{first:?} {second:?}");
+        assert!(acting.significance.expect("a test").p_value < p);
+        assert!(acting.difference.expect("a test").p_value < p);
+    }
 }
 
 #[test]
@@ -217,13 +167,4 @@ fn a_ramp_shows_its_curvature_and_no_lag() {
     let curvature = part.sensitivity_ppm_per_k2.expect("a curvature");
     assert!(near(&curvature, 0.05, 3.5), "{curvature:?}");
     assert!(part.lag_s.is_none(), "{}", part.lag);
-}
-
-#[test]
-fn small_fields_across_show_what_they_can() {
-    let levels = [-20_000.0, -10_000.0, 0.0, 10_000.0, 20_000.0];
-    let cross = sensor(&document(across(22, &levels, 8.0))).cross_field.expect("transverse fields");
-    let second = &cross.offset["second_nt"];
-    assert!(near(second, 8.0, 3.5), "{second:?}");
-    assert!(cross.significance.expect("a test").p_value < 1e-6);
 }

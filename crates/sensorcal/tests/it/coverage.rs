@@ -98,18 +98,12 @@ fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
     add("shield drift".into(), drift, 0.0, one.noise.coverage_factor_95);
     let temperature = sensor.temperature.as_ref().expect("temperatures");
     let factor = temperature.noise.coverage_factor_95;
+    let [thermal, across] = build::coefficients(sensor, &truth, Axis::X);
+    for (name, quantity, truth) in thermal {
+        add(name, quantity, truth, factor);
+    }
     for (part, name, at) in [(&temperature.sensor, "T_S", 0), (&temperature.electronics, "T_E", 4)] {
         let of = part.as_ref().expect("a part");
-        let values = [
-            &of.sensitivity_ppm_per_k,
-            of.sensitivity_ppm_per_k2.as_ref().expect("a curvature"),
-            &of.offset_nt_per_k,
-            of.offset_nt_per_k2.as_ref().expect("a curvature"),
-        ];
-        let keys = ["ppm/K", "ppm/K2", "nT/K", "nT/K2"];
-        for (number, (value, key)) in values.into_iter().zip(keys).enumerate() {
-            add(format!("{name} {key}"), value, THERMAL[at + number], factor);
-        }
         for (key, at) in [("sensitivity_ppm_per_k", at), ("offset_nt_per_k", at + 2)] {
             add(format!("{name} three-point {key}"), &of.three_point[key], THERMAL[at], factor);
         }
@@ -120,11 +114,9 @@ fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
     }
     let cross = sensor.cross_field.as_ref().expect("transverse fields");
     let factor = cross.noise.coverage_factor_95;
-    for (name, truth) in [("first_nt", CROSS[0]), ("second_nt", CROSS[1])] {
-        add(format!("cross field {name}"), &cross.offset[name], truth, factor);
-    }
-    for (name, truth) in [("first_nt", CROSS[3]), ("second_nt", CROSS[4])] {
-        add(format!("cross field sensitivity {name}"), &cross.sensitivity[name], truth, factor);
+    assert_eq!(across.len(), 4, "both parameters of each effect");
+    for (name, quantity, truth) in across {
+        add(name, quantity, truth, factor);
     }
     for lean in &cross.misalignments {
         add(format!("lean to {}", lean.coil), &lean.angle_arcsec, 0.0, factor);

@@ -1,21 +1,29 @@
-//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept.
+//! Golden documents, a line a case (BLESS=1 writes them anew; read the difference before it is kept), faults
+//! with their messages, and the program's help.
 
 use common::{Document, to_text};
 
-fn case(name: &str, input: &str) {
-    testkit::golden(&format!("sensorcal/{name}"), input, |text| {
-        let document = Document::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let found = sensorcal::run(document, &sensorcal::Options::default());
-        to_text(&found.unwrap_or_else(|error| panic!("{name}: {error}")))
+const SENSORCAL: &str = env!("CARGO_BIN_EXE_sensorcal");
+
+#[test]
+fn golden() {
+    testkit::golden("sensorcal/small", "sensorcal/small/input.json", |text| {
+        to_text(&crate::build::calibrated(Document::parse(text).expect("a document")))
     });
 }
 
 #[test]
-fn golden() {
-    case("small", "sensorcal/small/input.json");
+fn readings_in_files_beside_the_document() {
+    testkit::beside(SENSORCAL, "sensorcal/small/input.json");
 }
 
 #[test]
-fn readings_in_files_beside_the_document() {
-    testkit::beside(env!("CARGO_BIN_EXE_sensorcal"), "sensorcal/small/input.json");
+fn each_fault_has_its_message() {
+    assert!(testkit::faults("bad/sensorcal", SENSORCAL) >= 30);
+}
+
+#[test]
+fn examples_run_and_completions_and_man_pages_are_there() {
+    testkit::examples(SENSORCAL, &[]);
+    testkit::manual(SENSORCAL);
 }

@@ -1,15 +1,9 @@
 //! The whole campaign of the report, simulated, calibrated, and held against what was true.
 
 use common::{Axis, Quantity};
-use simulate::{Campaign, Truth};
+use simulate::Campaign;
 
-use crate::build;
-
-/// A parameter of an effect that is true; zero where there is no such effect.
-fn true_effect(truth: &Truth, name: &str, sensor: Axis, parameter: &str) -> f64 {
-    let effect = truth.model.effects.iter().find(|e| e.effect == name && e.sensor == Some(sensor));
-    effect.map_or(0.0, |effect| effect.parameters[parameter].value())
-}
+use crate::build::{self, coefficients, true_effect};
 
 #[test]
 fn every_true_coefficient_is_within_its_interval() {
@@ -32,29 +26,10 @@ fn every_true_coefficient_is_within_its_interval() {
         let offset = true_sensor.offset_nt.as_ref().expect("O").value();
         let days = 6.0;
         add("O", sensor.offset_nt.as_ref().expect("O"), offset - ageing * days);
-        let temperature = sensor.temperature.as_ref().expect("temperatures");
-        for (part, of) in [("", &temperature.sensor), ("electronics_", &temperature.electronics)] {
-            let of = of.as_ref().expect("a part");
-            let scale = format!("sensitivity_{part}temperature");
-            let shift = format!("offset_{part}temperature");
-            for (name, parameter, quantity) in [
-                (&scale, "coefficient_ppm_per_k", Some(&of.sensitivity_ppm_per_k)),
-                (&scale, "curvature_ppm_per_k2", of.sensitivity_ppm_per_k2.as_ref()),
-                (&shift, "coefficient_nt_per_k", Some(&of.offset_nt_per_k)),
-                (&shift, "curvature_nt_per_k2", of.offset_nt_per_k2.as_ref()),
-            ] {
-                let truth = true_effect(&truth, name, axis, parameter);
-                add(&format!("{name} {parameter}"), quantity.expect("both"), truth);
-            }
+        for (name, quantity, truth) in coefficients(sensor, &truth, axis).concat() {
+            add(&name, quantity, truth);
         }
         let cross = sensor.cross_field.as_ref().expect("transverse fields");
-        for (effect, found) in
-            [("cross_field", &cross.offset), ("cross_field_sensitivity", &cross.sensitivity)]
-        {
-            for (name, quantity) in found {
-                add(&format!("{effect} {name}"), quantity, true_effect(&truth, effect, axis, name));
-            }
-        }
         let significant = cross.significance.expect("a test").p_value < 0.01;
         assert_eq!(significant, axis == Axis::X, "sensor {axis}: transverse fields");
         let noise = sensor.noise.as_ref().expect("noise");

@@ -69,10 +69,8 @@ fn was_it_the_sensor_or_the_quantiser() {
         assert!((series.code_nt.expect("a code") / 0.064 - 1.0).abs() < 1e-9);
         assert!(near(&noise.white_rms_nt, white, 4.0), "{:?}", noise.white_rms_nt);
         // δ²Δt/6.
-        assert!(
-            (series.rounding_nt2_per_hz.expect("rounding") / (0.064f64.powi(2) * 0.01 / 6.0) - 1.0).abs()
-                < 1e-9
-        );
+        let rounding = series.rounding_nt2_per_hz.expect("rounding");
+        assert!((rounding / (0.064f64.powi(2) * 0.01 / 6.0) - 1.0).abs() < 1e-9);
     }
     let coarse = sensor(&with(vec![noise(3, 20_000, 0.01, 0.02, 2e-5)])).noise.expect("noise");
     assert_eq!(coarse.series[0].measured, "quantiser");
@@ -89,11 +87,8 @@ fn a_line_is_told_and_kept_out() {
     let line = |row: usize| 0.05 * (std::f64::consts::TAU * 16.7 * 0.01 * row as f64).sin();
     change(&mut document["recordings"][0], "sensor_x_v", |row, volts| volts + line(row) / K);
     let noise = sensor(&document).noise.expect("noise");
-    assert_eq!(noise.lines.len(), 1);
-    assert!(
-        (noise.lines[0].frequency_hz - 16.7).abs() < 0.003
-            && (noise.lines[0].amplitude_nt - 0.05).abs() < 0.006
-    );
+    let [line] = &noise.lines[..] else { panic!("one line") };
+    assert!((line.frequency_hz - 16.7).abs() < 0.003 && (line.amplitude_nt - 0.05).abs() < 0.006);
     assert!((noise.white_rms_nt.value() - 0.1).abs() < 0.003);
 }
 

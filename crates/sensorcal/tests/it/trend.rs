@@ -79,10 +79,5 @@ fn a_random_walk_that_is_not_seen_is_said() {
     };
     assert!(said(&still), "{:?}", still.findings);
     let walking = drift(&json!({"random_walk_nt_per_sqrt_s": 1e-4}), 3);
-    assert!(
-        !said(&walking) && walking.noise["random_walk"] > 0.9,
-        "{:?} {:?}",
-        walking.findings,
-        walking.noise
-    );
+    assert!(!said(&walking) && walking.noise["random_walk"] > 0.9, "{walking:?}");
 }

@@ -1,19 +1,64 @@
-//! Constants that the readings contradict.
+//! Readings and constants that contradict the rest.
 //!
 //! A stated uncertainty that is too small would bend the directions, and in the end the noise with them. So
 //! each prior is held against what the readings alone say of it: its residual over √(1 − h) is a standard
 //! normal number when the statement is true. A constant that is beyond chance is left free, and said.
 
 use common::number::significant;
+use estimate::influence;
 use estimate::{Fit, Options as Iteration, Problem, stats};
 
 use crate::unknowns::Unknown;
-use crate::{AxesProblem, AxesState, Error, Freedom, NoiseFactors, Observations};
+use crate::{AxesProblem, AxesState, Freedom, NoiseFactors, Observations, Result};
 
+/// A reading is called doubtful below this adjusted probability.
+const DOUBTFUL_P: f64 = 0.01;
+/// More doubtful readings than this are not single faults.
+const MOST_DOUBTFUL: usize = 20;
 /// A pull less probable than this, among all constants, is not taken for chance.
 const VIOLATED_P: f64 = 1e-4;
 /// Priors that decide their unknown alone cannot be tested.
 const TESTABLE: f64 = 1e-6;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Doubt {
+    pub reading: usize,
+    /// Reading less the prediction made without it, nT.
+    pub leave_one_out_nt: f64,
+    /// That over its standard deviation, estimated without it.
+    pub t: f64,
+    /// Probability that the largest of all is so far out.
+    pub p_adjusted: f64,
+}
+
+/// Takes out the reading that is furthest from the prediction made without it, as long as that is beyond
+/// chance, and fits again: a large fault hides smaller ones, so they are looked for one after the other.
+pub fn doubtful(problem: &AxesProblem<'_>, plain: &Fit<AxesState>, declared: bool) -> Result<Vec<Doubt>> {
+    let count = problem.readings();
+    let mut weights = vec![1.0; count];
+    let mut found: Vec<Doubt> = Vec::new();
+    let mut fit = plain.clone();
+    while found.len() < MOST_DOUBTFUL.min(count / 4) {
+        let freedom = fit.degrees_of_freedom() - found.len() as f64 - 1.0;
+        if freedom < 2.0 {
+            break;
+        }
+        let all = influence::influence(&fit, count, declared, found.len());
+        let furthest = (0..count)
+            .filter(|i| weights[*i] > 0.0)
+            .max_by(|a, b| all[*a].t.abs().total_cmp(&all[*b].t.abs()));
+        let Some(reading) = furthest else { break };
+        let p_adjusted = influence::adjusted_p(all[reading].t, freedom, count - found.len());
+        if p_adjusted >= DOUBTFUL_P {
+            break;
+        }
+        let leave_one_out_nt = all[reading].leave_one_out * problem.own_std_nt(reading);
+        found.push(Doubt { reading, leave_one_out_nt, t: all[reading].t, p_adjusted });
+        weights[reading] = 0.0;
+        fit = estimate::solve(problem, fit.state, Some(&weights), &Iteration::default())?;
+    }
+    Ok(found)
+}
 
 /// What may move once the constants that the readings contradict are free, and which those are, in words.
 /// `weights` leaves doubtful readings out.
@@ -23,7 +68,7 @@ pub fn settle(
     start: &AxesState,
     weights: &[f64],
     known_scale: bool,
-) -> Result<(Freedom, Vec<String>), Error> {
+) -> Result<(Freedom, Vec<String>)> {
     let solve = |freedom: &Freedom, factor: f64| {
         let problem = AxesProblem::new(observations, freedom, NoiseFactors::both(factor));
         estimate::solve(&problem, start.clone(), Some(weights), &Iteration::default())
@@ -76,11 +121,8 @@ fn pulls(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Vec<(Unknown, f64)>
 
 /// The theodolites, judged by all their corrections together.
 fn orientations(pulls: &[(Unknown, f64)]) -> Option<String> {
-    let corrections: Vec<f64> = pulls
-        .iter()
-        .filter(|(unknown, _)| matches!(unknown, Unknown::Correction(..)))
-        .map(|(_, pull)| *pull)
-        .collect();
+    let own = pulls.iter().filter(|(unknown, _)| matches!(unknown, Unknown::Correction(..)));
+    let corrections: Vec<f64> = own.map(|(_, pull)| *pull).collect();
     let far = corrections.iter().map(|pull| pull.abs()).fold(0.0, f64::max);
     let p = stats::two_sided_p(far, f64::INFINITY) * corrections.len() as f64;
     (!corrections.is_empty() && p < VIOLATED_P).then(|| {

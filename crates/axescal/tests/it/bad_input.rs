@@ -1,6 +1,0 @@
-//! Every document of `fixtures/bad` brings its message, its exit code, and nothing on standard output.
-
-#[test]
-fn each_fault_has_its_message() {
-    assert!(testkit::faults("bad", env!("CARGO_BIN_EXE_axescal")) >= 20);
-}
