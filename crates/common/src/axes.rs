@@ -1,12 +1,10 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Matrix3x3, OneOrEach, PerAxis, Quantity};
 
 /// Directions of the sensors in SEN and of the coils in GEO, with what stands behind them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AxesCalibration {
     /// μ: columns = unit vectors of the sensors' magnetic axes in SEN.
@@ -66,7 +64,7 @@ pub struct AxesCalibration {
 
 /// A set of directions. With all three axes they stand in `matrix`; with fewer in `directions`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AxesDirections {
     /// Columns = unit vectors.
@@ -107,7 +105,7 @@ impl AxesDirections {
 
 /// Directions and five of the six scales from the same readings (17 of 18 unknowns).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScalesResult {
     /// Reading over calibrated field for each sensor, relative to the mean of the sensors.
@@ -122,7 +120,7 @@ pub struct ScalesResult {
 
 /// One scale with its distance from what the calibration promises.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScaleResult {
     /// Scale as fitted.
@@ -142,7 +140,7 @@ pub struct ScaleResult {
 /// One sensor and one coil: 4 unknowns on the unit spheres beside 6 unconstrained ones (NASA MAGCAL1 and
 /// MAGCAL).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct PairComparison {
     /// The sensor.
@@ -165,7 +163,7 @@ pub struct PairComparison {
 
 /// One orientation of the sensor block.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct OrientationResult {
     /// The recordings made in it.
@@ -183,7 +181,7 @@ pub struct OrientationResult {
 
 /// Phase of one sensor behind the drive in an AC run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PhaseResult {
     /// The sensor.
     pub sensor: Axis,
@@ -199,7 +197,7 @@ pub struct PhaseResult {
 
 /// How the solution was found and how well it fits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AxesFit {
     /// `coils unknown` or `coils known`.
@@ -235,7 +233,7 @@ pub struct AxesFit {
 
 /// One step of the iteration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IterationStep {
     /// Rms of the residuals before the step, nT.
     pub rms_nt: f64,
@@ -247,7 +245,7 @@ pub struct IterationStep {
 
 /// Something that the recordings could not show.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Assumption {
     /// What was assumed.
     pub assumed: String,
@@ -261,7 +259,7 @@ pub struct Assumption {
 
 /// A reading that does not belong to the rest.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DoubtfulReading {
     /// The recording.
     pub recording: String,
@@ -283,7 +281,7 @@ pub struct DoubtfulReading {
 
 /// Every reading of the fit, as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AxesReadings {
     /// Number of the orientation, from 1.

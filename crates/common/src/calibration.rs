@@ -1,19 +1,16 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::Value;
 use serde_json::value::RawValue;
 
 use crate::uncertainty::joint::Uncertainty;
 use crate::{
     AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
     GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, json, parse,
-    to_text, undetermined,
+    undetermined,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Calibration {
     /// The coils, by coilcal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -64,10 +61,7 @@ impl Calibration {
     ///
     /// The two together are no calibration.
     pub fn overlaid(&self, other: &Self, path: &str) -> Result<Self, Error> {
-        let value = |one: &Self| serde_json::from_str::<Value>(&to_text(one)).expect("what was just written");
-        let mut merged = value(self);
-        json::overlay(&mut merged, value(other));
-        Self::read(&merged.to_string()).map_err(|error| error.below(path))
+        Self::read(&json::overlaid(self, other)).map_err(|error| error.below(path))
     }
 
     /// Not generic, so that the code of all these types is made in this crate alone.
@@ -100,7 +94,7 @@ pub fn calibration_of<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Opti
 
 /// One coil: B = k I + B0, along the coil's own axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CoilCalibration {
     /// Coil constant k, nT/A.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -131,7 +125,7 @@ pub struct CoilCalibration {
 /// Temperatures at which the constants hold, and the field outside from which its variations count; absent ones are the
 /// mean of the recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReferenceConditions {
     /// Temperature of the sensors, degC.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -1,13 +1,11 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Extra, Quantity, json, parse, to_text};
+use crate::{Error, Extra, Quantity, json, parse};
 
 /// What a calibration certificate states and no program finds (ISO/IEC 17025:2017, 7.8.2 and 7.8.4). An
 /// absent key is a blank line on the certificate. An empty text or list is the statement that there is none.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Certificate {
     /// Its unique identification.
@@ -88,16 +86,13 @@ impl Certificate {
     /// A text that is no JSON object of such data, with the path in it.
     pub fn overlaid(&self, text: &str) -> Result<Self, Error> {
         let over: Self = parse::at_path(text)?;
-        let value = |one: &Self| serde_json::from_str(&to_text(one)).expect("what was just written");
-        let mut merged = value(self);
-        json::overlay(&mut merged, value(&over));
-        parse::at_path(&merged.to_string())
+        parse::at_path(&json::overlaid(self, &over))
     }
 }
 
 /// A laboratory or a customer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Party {
     /// Name.
@@ -116,7 +111,7 @@ pub struct Party {
 
 /// A procedure of the laboratory.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Method {
     /// Its name or number.
@@ -132,7 +127,7 @@ pub struct Method {
 
 /// Sampling by the laboratory (7.8.5).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Sampling {
     /// Day of the sampling, YYYY-MM-DD.
@@ -160,7 +155,7 @@ pub struct Sampling {
 
 /// The item that was calibrated.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CalibratedItem {
     /// What it is. Absent: `instrument.name`.
@@ -185,7 +180,7 @@ pub struct CalibratedItem {
 
 /// Who authorises a certificate.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Person {
     /// Name.
@@ -201,7 +196,7 @@ pub struct Person {
 
 /// A standard or an instrument that the calibration rests on.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Reference {
     /// What it is.
@@ -225,7 +220,7 @@ pub struct Reference {
 
 /// What a reference is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ReferenceKind {
     /// The coil system.
@@ -249,7 +244,7 @@ pub enum ReferenceKind {
 
 /// Adjustment or repair of the item.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Adjustment {
     /// What was done; an empty text: nothing.
@@ -265,7 +260,7 @@ pub struct Adjustment {
 
 /// A result from before an adjustment.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ResultBefore {
     /// Of what, in the words of the certificate.

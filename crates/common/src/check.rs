@@ -67,17 +67,13 @@ pub(crate) fn calibration(calibration: &Calibration) -> Result<(), Error> {
         }
         let keys = |key: &str| ["sensitivity_nt_per_v", "sensitivity_nt_per_nt", "offset_nt"].contains(&key);
         covariance(&path, sensor.covariance.as_deref(), sensor.covariance_order.as_deref(), keys)?;
-        if let Some(fit) = &sensor.temperature {
-            let path = format!("{path}.temperature");
-            covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
-        }
-        if let Some(fit) = sensor.noise.as_ref().filter(|fit| !fit.covariance.is_empty()) {
-            let path = format!("{path}.noise");
-            covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
-        }
-        if let Some(fit) = &sensor.cross_field {
-            let path = format!("{path}.cross_field");
-            covariance(&path, Some(&fit.covariance), Some(&fit.covariance_order), |_| true)?;
+        let temperature = sensor.temperature.as_ref().map(|fit| (&fit.covariance, &fit.covariance_order));
+        let noise = sensor.noise.as_ref().filter(|fit| !fit.covariance.is_empty());
+        let noise = noise.map(|fit| (&fit.covariance, &fit.covariance_order));
+        let across = sensor.cross_field.as_ref().map(|fit| (&fit.covariance, &fit.covariance_order));
+        for (part, found) in [("temperature", temperature), ("noise", noise), ("cross_field", across)] {
+            let Some((matrix, order)) = found else { continue };
+            covariance(&format!("{path}.{part}"), Some(matrix), Some(order), |_| true)?;
         }
     }
     if let Some(axes) = &calibration.axes {
@@ -130,35 +126,28 @@ fn covariance(
     order: Option<&[String]>,
     is_key: impl Fn(&str) -> bool,
 ) -> Result<(), Error> {
-    let refuse = |key: &str, found: String, expected: String| {
+    let refuse = |key: &str, found: String, expected: &str| {
         Err(Error::document(format!("{path}.{key}"), found, expected))
     };
     let Some(covariance) = covariance else { return Ok(()) };
     let Some(order) = order else {
-        return refuse(
-            "covariance_order",
-            "no such key".into(),
-            "the keys that `covariance` runs over".into(),
-        );
+        return refuse("covariance_order", "no such key".into(), "the keys that `covariance` runs over");
     };
     let mut seen = HashSet::new();
     if let Some(key) = order.iter().find(|key| !is_key(key) || !seen.insert(*key)) {
         let expected = "each key beside it that the covariance runs over, once";
-        return refuse("covariance_order", format!("\"{key}\""), expected.into());
+        return refuse("covariance_order", format!("\"{key}\""), expected);
     }
     let size = order.len();
     if covariance.len() != size || covariance.iter().any(|row| row.len() != size) {
         let columns = covariance.iter().map(Vec::len).max().unwrap_or(0);
         let found = format!("{} of up to {columns} numbers", counted(covariance.len(), "row"));
-        return refuse(
-            "covariance",
-            found,
-            format!("{size} rows of {size}, as its `covariance_order` has names"),
-        );
+        let expected = format!("{size} rows of {size}, as its `covariance_order` has names");
+        return refuse("covariance", found, &expected);
     }
     if let Some(key) = (0..size).find(|k| covariance[*k][*k] < 0.0) {
         let found = format!("the variance {} of {}", covariance[key][key], order[key]);
-        return refuse("covariance", found, "variances that are not negative".into());
+        return refuse("covariance", found, "variances that are not negative");
     }
     // In units of each standard uncertainty, so that what is rounding does not depend on units.
     let std: Vec<f64> = (0..size).map(|k| covariance[k][k].sqrt()).collect();
@@ -168,12 +157,12 @@ fn covariance(
         if (correlation[(i, j)] - correlation[(j, i)]).abs() > ROUNDING {
             let found =
                 format!("{} and {} for {} and {}", covariance[i][j], covariance[j][i], order[i], order[j]);
-            return refuse("covariance", found, "a symmetric matrix".into());
+            return refuse("covariance", found, "a symmetric matrix");
         }
     }
     if !is_possible(correlation) {
         let found = "a matrix by which some combination of its keys has a negative variance".into();
-        return refuse("covariance", found, "a covariance, which is positive semidefinite".into());
+        return refuse("covariance", found, "a covariance, which is positive semidefinite");
     }
     Ok(())
 }
@@ -210,30 +199,32 @@ mod tests {
     }
 
     #[test]
-    fn directions_have_length_one() {
-        let said = refused(r#"{"axes": {"sensors": {"matrix": [[1.01, 0, 0], [0, 1, 0], [0, 0, 1]]}}}"#);
-        assert!(
-            said.starts_with("calibration.axes.sensors.matrix: found a column of length 1.01;"),
-            "{said}"
-        );
-        let said = refused(r#"{"axes": {"coils": {"directions": {"y": [0, 0, 0]}}}}"#);
-        assert!(
-            said.starts_with("calibration.axes.coils.directions.y: found a direction of length 0;"),
-            "{said}"
-        );
-    }
-
-    #[test]
-    fn constants_are_such_as_instruments_have() {
-        let said = refused(r#"{"coils": {"y": {"constant_nt_per_a": {"value": -1e31, "std": 1}}}}"#);
-        let expected = "calibration.coils.y.constant_nt_per_a: found -1e31; expected a number between −1·10⁸ and 1·10⁸; is it in \
-                        another unit?";
-        assert_eq!(said, expected);
-        let said = refused(r#"{"reference_conditions": {"coil_temperature_c": -300}}"#);
-        assert!(
-            said.starts_with("calibration.reference_conditions.coil_temperature_c: found -300;"),
-            "{said}"
-        );
+    fn directions_and_constants_can_be() {
+        for (calibration, expected) in [
+            (
+                r#"{"axes": {"sensors": {"matrix": [[1.01, 0, 0], [0, 1, 0], [0, 0, 1]]}}}"#,
+                "axes.sensors.matrix: found a column of length 1.01;",
+            ),
+            (
+                r#"{"axes": {"coils": {"directions": {"y": [0, 0, 0]}}}}"#,
+                "axes.coils.directions.y: found a direction of length 0;",
+            ),
+            (
+                r#"{"coils": {"y": {"constant_nt_per_a": {"value": -1e31, "std": 1}}}}"#,
+                "coils.y.constant_nt_per_a: found -1e31; expected a number between −1·10⁸ and 1·10⁸; is it in another unit?",
+            ),
+            (
+                r#"{"reference_conditions": {"coil_temperature_c": -300}}"#,
+                "reference_conditions.coil_temperature_c: found -300;",
+            ),
+            (
+                r#"{"sensors": {"z": {"sensitivity_nt_per_v": 0}}}"#,
+                "sensors.z.sensitivity_nt_per_v: found 0;",
+            ),
+        ] {
+            let said = refused(calibration);
+            assert!(said.starts_with(&format!("calibration.{expected}")), "{said}");
+        }
     }
 
     #[test]
@@ -256,8 +247,6 @@ mod tests {
             let found = sensor(order, covariance);
             assert!(found.contains(said), "{found}");
         }
-        let zero = refused(r#"{"sensors": {"z": {"sensitivity_nt_per_v": 0}}}"#);
-        assert!(zero.starts_with("calibration.sensors.z.sensitivity_nt_per_v: found 0;"), "{zero}");
     }
 
     #[test]

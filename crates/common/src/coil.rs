@@ -1,13 +1,11 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Quantity};
 
 /// How a coil's constant was found, by coilcal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CoilFit {
     /// The recordings.
@@ -55,7 +53,7 @@ pub struct CoilFit {
 
 /// The two parts of a standard uncertainty (JCGM 100).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Budget {
     /// From scatter; averages down.
     pub type_a: f64,
@@ -65,7 +63,7 @@ pub struct Budget {
 
 /// An F test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct FTest {
     /// The ratio.
     pub f: f64,
@@ -79,7 +77,7 @@ pub struct FTest {
 
 /// One departure from the line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Departure {
     /// Its name.
     pub departure: String,
@@ -95,7 +93,7 @@ pub struct Departure {
 
 /// The levels of drive as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CoilResiduals {
     /// Current, A.
@@ -112,7 +110,7 @@ pub struct CoilResiduals {
 
 /// The field of a coil along its axis, by coilcal: B(x) = B₀ + a x + b x² + c x⁴.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CoilSurvey {
     /// The recording.
@@ -152,7 +150,7 @@ pub struct CoilSurvey {
 
 /// What a sensor off the centre sees.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OffCentre {
     /// How far off, m.
     pub distance_m: f64,
@@ -162,7 +160,7 @@ pub struct OffCentre {
 
 /// The places of a survey as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SurveyPlaces {
     /// Along the coil's axis, m.
@@ -177,7 +175,7 @@ pub struct SurveyPlaces {
 
 /// How the gradient coil is to be set, from two surveys.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GradientCoil {
     /// The place whose departure is brought to zero, m.
     pub position_m: f64,

@@ -2,7 +2,7 @@
 
 #[cfg(feature = "schema")]
 use schemars::{JsonSchema, json_schema};
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de, ser::SerializeSeq};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use serde_json::value::RawValue;
 use std::fmt;
 use std::ops::{Deref, DerefMut};
@@ -129,11 +129,7 @@ impl Serialize for Column {
         if let Some((text, _)) = &self.0.text {
             return text.serialize(serializer);
         }
-        let mut list = serializer.serialize_seq(Some(self.len()))?;
-        for value in self.iter() {
-            list.serialize_element(&value.is_finite().then_some(*value))?;
-        }
-        list.end()
+        serializer.collect_seq(self.iter().map(|value| value.is_finite().then_some(*value)))
     }
 }
 

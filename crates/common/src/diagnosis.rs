@@ -1,6 +1,4 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Quantity};
@@ -10,7 +8,7 @@ pub(crate) const ABSURD: f64 = 1.01;
 
 /// One answer of diagnose: what the model left out.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Diagnosis {
     /// What it comes to.
     pub verdict: Verdict,
@@ -77,7 +75,7 @@ pub struct Diagnosis {
 
 /// What a diagnosis comes to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The recordings are met to the noise.
@@ -108,7 +106,7 @@ impl Verdict {
 
 /// A part of the difference and where it lies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Share {
     /// `sensor`, `electronics`, `logger`, `facility`, `environment`, `spacecraft`, `sites`; absent where it
@@ -150,7 +148,7 @@ pub struct Share {
 
 /// One reading that is not as its neighbours.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DoubtfulValue {
     /// The recording.
@@ -165,7 +163,7 @@ pub struct DoubtfulValue {
 
 /// An effect that explains a difference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ExplainedEffect {
     /// The catalogue's name, or `dependence` on a column that no effect knows.
@@ -226,7 +224,7 @@ pub struct ExplainedEffect {
 
 /// A kind of physics that explains a difference, whatever its form.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ExplainedFamily {
     /// `late_response`, `follows_column`, `own_field`, `outside_field`, `position`, `lines`, `time`, `moments`
@@ -252,7 +250,7 @@ pub struct ExplainedFamily {
 
 /// An effect of a kind of physics.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FamilyMember {
     /// Its name with its target.
@@ -263,7 +261,7 @@ pub struct FamilyMember {
 
 /// A recording that would decide between names.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Experiment {
     /// The names.
@@ -279,7 +277,7 @@ pub struct Experiment {
 
 /// Structure that no effect names: what it follows, and how.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct UnnamedStructure {
     /// The sensor.
@@ -308,7 +306,7 @@ pub struct UnnamedStructure {
 
 /// Structure without a name that was adopted: what it follows, and what that does to readings left out of the fit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AdoptedStructure {
     /// The column of `empirical`.
@@ -324,7 +322,7 @@ pub struct AdoptedStructure {
 
 /// One of a list of like effects.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ListedEffect {
     /// The recording in which it is; absent: all.
@@ -336,7 +334,7 @@ pub struct ListedEffect {
 
 /// An effect that was considered and lost.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Rival {
     /// Its name.
@@ -347,7 +345,7 @@ pub struct Rival {
 
 /// Rms of what is observed less what is predicted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Residual {
     /// With the document's calibration and model as they came, nT.
@@ -384,7 +382,7 @@ impl Residual {
 
 /// Rms of the residuals of one sensor in one recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ResidualOf {
     /// The recording.
@@ -405,7 +403,7 @@ pub struct ResidualOf {
 
 /// How much of the difference lies in a part of the readings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct EnergyShare {
     /// What the readings are parted by: `recording`, `sensor`, `time_s`, `band_hz`, or a covariate.
@@ -424,7 +422,7 @@ pub struct EnergyShare {
 
 /// Residuals along something, for plots: each point a reading, or the mean of neighbouring ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ResidualSeries {
     /// The recording; absent: all.
@@ -449,7 +447,7 @@ pub struct ResidualSeries {
 
 /// How far a parameter of the calibration moved when the effects came in.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct BaseShift {
     /// The parameter; the unit stands in its name.
@@ -460,7 +458,7 @@ pub struct BaseShift {
 
 /// A constant that is not where the calibration states it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MovedConstant {
     /// The constant; the unit stands in its name.
@@ -481,7 +479,7 @@ pub struct MovedConstant {
 
 /// The smallest effect that would have been seen.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Detectable {
     /// Its name.
@@ -499,7 +497,7 @@ pub struct Detectable {
 
 /// What is left.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Remaining {
     /// Whether nothing is left but the noise.

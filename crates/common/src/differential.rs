@@ -1,6 +1,4 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::ABSURD;
@@ -9,26 +7,22 @@ use crate::{AllanDeviation, Extra, HeldOutPrediction, Matrix3x3, PerAxis, Quanti
 mod clock;
 mod contribution;
 mod drift;
-mod followed;
 mod fourteen;
 mod kept_out;
-mod octaves;
 mod reference_noise;
 mod stability;
 
 pub use clock::*;
 pub use contribution::*;
 pub use drift::*;
-pub use followed::*;
 pub use fourteen::*;
 pub use kept_out::*;
-pub use octaves::*;
 pub use reference_noise::*;
 pub use stability::*;
 
 /// The test magnetometer against the reference: T = R η + d, rows are samples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DifferentialCalibration {
     /// η: column j holds what the reference's x, y, z give to the test's axis j.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -59,7 +53,7 @@ pub struct DifferentialCalibration {
 
 /// How a test magnetometer was held against its reference, by diffmag.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DifferentialFit {
     /// The recordings, by their ids.
@@ -117,7 +111,7 @@ pub struct DifferentialFit {
 
 /// One element of the matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MatrixElement {
     /// By least squares of the reference's axes alone, as the source has it: a drift is not taken off.
     pub least_squares: f64,
@@ -137,9 +131,29 @@ pub struct MatrixElement {
     pub degrees_of_freedom: Option<f64>,
 }
 
+/// How two magnetometers agree at one octave of averaging times.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct OctaveAgreement {
+    /// Averaging time of the blocks of which neighbours were compared, s.
+    pub averaging_s: f64,
+    /// Differences of neighbouring blocks.
+    pub differences: u64,
+    /// η from the reference's x, y, z by these alone; absent where they are too few.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub matrix: Option<[f64; 3]>,
+    /// Its standard uncertainty, the differences taken as independent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub std: Option<[f64; 3]>,
+    /// Share of the square of the test's differences that the reference explains.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub coherence: Option<f64>,
+}
+
 /// The difference d along one axis of the test instrument.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DifferenceAxis {
     /// Rms of d about its mean, nT.

@@ -1,17 +1,15 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 
 use crate::number::counted;
 use crate::{
-    Calibration, Certificate, Diagnosis, Error, Extra, Facility, HistoryEntry, Instrument, Model, Recording,
-    Undetermined, Versioned, check, parse, to_line, to_text, undetermined,
+    Calibration, Certificate, Diagnosis, Error, Extra, Facility, Instrument, Model, Recording, Undetermined,
+    Versioned, check, parse, to_line, to_text, undetermined,
 };
 
 /// One campaign: the facility, the instrument, what was recorded and what was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Document {
     /// Format version; a newer one is refused.
     pub fluxcal: u64,
@@ -130,6 +128,25 @@ impl Document {
         }
         Ok(())
     }
+}
+
+/// One line of the document's history. No clock times: the same input gives the same bytes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HistoryEntry {
+    /// The program.
+    pub stage: String,
+    /// Its version.
+    pub version: String,
+    /// What it was asked, without file names.
+    #[serde(default)]
+    pub arguments: Vec<String>,
+    /// SHA-256 of the bytes that it read, in hexadecimal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input_sha256: Option<String>,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
 }
 
 impl Versioned for Document {

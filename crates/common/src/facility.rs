@@ -1,5 +1,3 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::not_negative;
@@ -7,7 +5,7 @@ use crate::{Extra, Noise, PerAxis, Quantity};
 
 /// The coil facility as its makers state it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Facility {
     /// The coils by axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -57,7 +55,7 @@ impl Facility {
 
 /// One coil with its precision resistor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Coil {
     /// Resistance of the precision resistor in series, ohm.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -79,7 +77,7 @@ pub struct Coil {
 
 /// The voltmeter's uncertainty: an absolute and a relative part.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Voltmeter {
     /// Absolute standard uncertainty, V.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]

@@ -1,5 +1,3 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::quantity::not_negative;
@@ -7,7 +5,7 @@ use crate::{Axis, Extra, PerAxis};
 
 /// The magnetometer as its makers state it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Instrument {
     /// Its name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -54,7 +52,7 @@ impl Instrument {
 
 /// Noise of the sensors: one description for all, or an object keyed by sensor.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum NoiseOfSensors {
     /// The same for all sensors.
@@ -91,7 +89,7 @@ impl<'de> Deserialize<'de> for NoiseOfSensors {
 /// Noise of a reading: white, flicker P(f) = A f^-α, one-sided, down to one over the record's length, and a
 /// random walk.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Noise {
     /// White noise of one reading, nT rms.
     #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "not_negative")]

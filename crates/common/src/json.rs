@@ -13,8 +13,15 @@ pub fn to_line<T: Serialize>(value: &T) -> String {
     written(value, false)
 }
 
-/// Puts one value over another: objects key by key, all else as a whole.
-pub(crate) fn overlay(under: &mut Value, over: Value) {
+/// The JSON of one value with that of another put over it: objects key by key, all else as a whole.
+pub(crate) fn overlaid<T: Serialize>(under: &T, over: &T) -> String {
+    let value = |one: &T| -> Value { serde_json::from_str(&to_text(one)).expect("what was just written") };
+    let mut merged = value(under);
+    overlay(&mut merged, value(over));
+    merged.to_string()
+}
+
+fn overlay(under: &mut Value, over: Value) {
     match (under, over) {
         (Value::Object(under), Value::Object(over)) => {
             for (key, value) in over {

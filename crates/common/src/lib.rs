@@ -32,7 +32,6 @@ mod diagnosis;
 mod differential;
 mod document;
 mod facility;
-mod history;
 mod instrument;
 mod json;
 mod model;
@@ -48,7 +47,6 @@ mod scalar;
 pub mod schema;
 mod sensor;
 mod sensor_conditions;
-mod sensor_fit;
 mod sensor_noise;
 mod sensor_offset;
 pub mod series;
@@ -57,64 +55,30 @@ pub mod uncertainty;
 mod undetermined;
 pub mod unit;
 
-pub use axes::{
-    Assumption, AxesCalibration, AxesDirections, AxesFit, AxesReadings, DoubtfulReading, IterationStep,
-    OrientationResult, PairComparison, PhaseResult, ScaleResult, ScalesResult,
-};
+pub use axes::*;
 pub use axis::{Axis, PerAxis};
 pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, calibration_of};
-pub use certificate::{
-    Adjustment, CalibratedItem, Certificate, Method, Party, Person, Reference, ReferenceKind, ResultBefore,
-    Sampling,
-};
-pub use coil::{
-    Budget, CoilFit, CoilResiduals, CoilSurvey, Departure, FTest, GradientCoil, OffCentre, SurveyPlaces,
-};
+pub use certificate::*;
+pub use coil::*;
 pub use column::Column;
-pub use diagnosis::{
-    AdoptedStructure, BaseShift, Detectable, Diagnosis, DoubtfulValue, EnergyShare, Experiment,
-    ExplainedEffect, ExplainedFamily, FamilyMember, ListedEffect, MovedConstant, Remaining, Residual,
-    ResidualOf, ResidualSeries, Rival, Share, UnnamedStructure, Verdict,
-};
-pub use differential::{
-    Angle, BandAxis, ChiSquared, ClockDifference, ClockJump, ClockSegment, Contribution, ContributionCause,
-    DelayBand, DelayBands, DelayForm, DifferenceAxis, DifferentialCalibration, DifferentialFit, Drift,
-    DriftChange, DriftExplanations, DriftForm, ElementChange, EventInstrument, EventKind, Followed,
-    FourteenParameters, Gap, InSpectrum, IteratedDrift, JointDrift, JumpVerdict, KeptOut, KeptOutEvent,
-    KnownInstrument, Magnetometer, MatrixElement, MatrixEstimate, MatrixOfTimes, MatrixStability,
-    MatrixWindow, MatrixWindows, OctaveAgreement, OffsetScatter, OneMatrix, OwnNoise, PhaseClock,
-    PulledElement, QuietDisturbed, ReferenceNoise, ReferenceNoiseSource, ThreeCornered, TransferBand,
-    TransferBands, WindowMean,
-};
-pub use document::Document;
+pub use diagnosis::*;
+pub use differential::*;
+pub use document::{Document, HistoryEntry};
 pub use errors::{Error, ExitCode, Told};
 pub use facility::{Coil, Facility, Voltmeter};
-pub use history::HistoryEntry;
 pub use instrument::{Instrument, Noise, NoiseOfSensors};
 pub use json::{to_line, to_text};
 pub use model::{AdoptedEffect, Model};
-pub use nulling::{
-    ExpectedRms, MergedSpectrum, NullingCalibration, SeriesOfSpectrum, SiteSpectra, SpectralLine,
-};
+pub use nulling::*;
 pub use parse::{FORMAT_VERSION, Versioned, at_path, line_of, parse};
 pub use plain::{HeldOutPrediction, PlainRegression};
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Dropped, Recording, Theodolite, TheodoliteAngle, procedure};
-pub use scalar::{
-    AgainstKnown, BodyIron, FieldDirections, ReferenceOffset, ScalarCalibration, ScalarParameter,
-    ScalarStability, ScalarWindow, VectorFit, WeakestDirection,
-};
-pub use sensor::{PolynomialOrder, Saturation, SensitivityFit, SensitivityResiduals, SensorCalibration};
-pub use sensor_conditions::{
-    CommonExtremum, CrossFieldFit, CrossFieldLevels, HeldOut, Misalignment, TemperatureFit,
-    TemperatureLevels, TemperatureOfPart,
-};
-pub use sensor_fit::{FitNoise, TestResult};
-pub use sensor_noise::{AllanDeviation, BandRms, BudgetTerm, ErrorBudget, NoiseSeriesResult, SensorNoise};
-pub use sensor_offset::{
-    AnnualTerm, DriftDates, ImperfectTurn, OffsetDrift, Reversal, ReversalOffset, ReversalPairs,
-};
-
+pub use scalar::*;
+pub use sensor::*;
+pub use sensor_conditions::*;
+pub use sensor_noise::*;
+pub use sensor_offset::*;
 pub use uncertainty::Uncertainty;
 pub use undetermined::{Undetermined, all_finite};
 

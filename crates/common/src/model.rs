@@ -1,13 +1,11 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Quantity};
 
 /// Physics adopted beyond the basic model.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Model {
     /// The effects that `simulate` and `correct` apply.
     #[serde(default)]
@@ -19,7 +17,7 @@ pub struct Model {
 
 /// One effect of the catalogue with the values of its parameters.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AdoptedEffect {
     /// The catalogue's name.
     pub effect: String,

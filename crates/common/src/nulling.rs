@@ -1,13 +1,11 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, PerAxis, Quantity};
 
 /// What the nulling leaves, by coilcal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct NullingCalibration {
     /// Each condition of the site by its name.
@@ -22,7 +20,7 @@ pub struct NullingCalibration {
 
 /// Spectra of one condition of the site.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SiteSpectra {
     /// The series, slowest first.
@@ -40,7 +38,7 @@ pub struct SiteSpectra {
 
 /// How one series entered the spectrum.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SeriesOfSpectrum {
     /// The recording.
@@ -67,7 +65,7 @@ pub struct SeriesOfSpectrum {
 
 /// A merged spectrum, averaged over ten bins a decade.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MergedSpectrum {
     /// Middle of each bin, Hz.
@@ -83,7 +81,7 @@ pub struct MergedSpectrum {
 /// Expected rms error of a measurement: √∫ P df from one over its length to the instrument's Nyquist
 /// frequency (NASA).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ExpectedRms {
     /// Length of the measurement, s.
@@ -96,7 +94,7 @@ pub struct ExpectedRms {
 
 /// A spectral line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SpectralLine {
     /// The recording.

@@ -203,55 +203,26 @@ mod tests {
     }
 
     #[test]
-    fn times_have_the_unit_that_suits_them() {
+    fn times_plurals_and_probabilities() {
         let all = [0.0, 0.02, 119.9, 3540.0, 18_900.0, 31_536_000.0, -90.0].map(duration);
         assert_eq!(all, ["0 s", "0.02 s", "119.9 s", "59 min", "5.25 h", "365 days", "−90 s"]);
-    }
-
-    #[test]
-    fn plurals() {
         assert_eq!([0, 1, 2].map(|count| counted(count, "row")), ["0 rows", "1 row", "2 rows"]);
         assert_eq!([0, 1, 2].map(|count| plural(count, "agrees", "agree")), ["agree", "agrees", "agree"]);
+        assert_eq!([0.02449, 2.94e-106, 0.0].map(probability), ["0.024", "2.9·10⁻¹⁰⁶", "below 10⁻³⁰⁰"]);
+        assert_eq!([0.02449, 1.0, 1e-301].map(p_value), ["p = 0.024", "p = 1", "p < 10⁻³⁰⁰"]);
     }
 
     #[test]
-    fn the_smallest_numbers_are_numbers() {
-        assert_eq!(bare(5e-310), "5·10⁻³¹⁰");
+    fn bare_numbers_and_what_is_missing() {
+        let all = [0.0, -50000.0, 0.123456789, 9.9999999e-5, 2.5e-9, 12345678.0, 5e-310, f64::NEG_INFINITY];
+        let expected =
+            ["0", "−50000", "0.123457", "0.0001", "2.5·10⁻⁹", "1.23457·10⁷", "5·10⁻³¹⁰", "undetermined"];
+        assert_eq!(all.map(bare), expected);
+        assert_eq!([0.2, 0.0, 3.04e-9, 1234.5].map(|one| figures(one, 2)), ["0.20", "0", "3.0·10⁻⁹", "1200"]);
         assert_eq!(uncertain(3e-310, 2e-310), "(3.0 ± 2.0)·10⁻³¹⁰");
-    }
-
-    #[test]
-    fn what_is_missing_is_said() {
         assert_eq!(uncertain(f64::NAN, 1.0), "undetermined");
         assert_eq!(uncertain(2.5, f64::INFINITY), "2.5, uncertainty undetermined");
         assert_eq!(uncertain(2.5, 0.0), "2.5 ± 0");
-        assert_eq!(bare(f64::NEG_INFINITY), "undetermined");
-    }
-
-    #[test]
-    fn what_is_quoted_stays_as_it_is() {
-        assert_eq!(
-            (quoted(-1e31), quoted(-300.5), quoted(7e8)),
-            ("-1e31".into(), "-300.5".into(), "700000000".into())
-        );
-    }
-
-    #[test]
-    fn bare_numbers() {
-        assert_eq!(bare(0.0), "0");
-        assert_eq!(bare(-50000.0), "−50000");
-        assert_eq!(bare(0.123456789), "0.123457");
-        assert_eq!(bare(9.9999999e-5), "0.0001");
-        assert_eq!((figures(0.2, 2), figures(0.0, 2)), ("0.20".into(), "0".into()));
-        assert_eq!((figures(3.04e-9, 2), figures(1234.5, 2)), ("3.0·10⁻⁹".into(), "1200".into()));
-        assert_eq!(bare(2.5e-9), "2.5·10⁻⁹");
-        assert_eq!(bare(12345678.0), "1.23457·10⁷");
-    }
-
-    #[test]
-    fn probabilities() {
-        assert_eq!((probability(0.02449), p_value(0.02449)), ("0.024".into(), "p = 0.024".into()));
-        assert_eq!((probability(2.94e-106), p_value(1.0)), ("2.9·10⁻¹⁰⁶".into(), "p = 1".into()));
-        assert_eq!((probability(0.0), p_value(1e-301)), ("below 10⁻³⁰⁰".into(), "p < 10⁻³⁰⁰".into()));
+        assert_eq!([-1e31, -300.5, 7e8].map(quoted), ["-1e31", "-300.5", "700000000"]);
     }
 }

@@ -70,30 +70,21 @@ fn check_version(text: &str) -> Result<(), Error> {
         fluxcal: Option<Value>,
     }
     let head: Head = serde_json::from_str(text).map_err(|error| explain(text, ".", &error))?;
-    match head.fluxcal {
-        Some(Value::Number(version)) if version.as_u64() == Some(FORMAT_VERSION) => Ok(()),
-        Some(Value::Number(version)) if version.as_f64() > Some(FORMAT_VERSION as f64) => {
-            Err(Error::document(
-                "fluxcal",
-                format!("format version {version}"),
-                format!(
-                    "version {FORMAT_VERSION}, the newest that this program knows; install a newer fluxcal"
-                ),
-            ))
-        }
-        Some(other) => Err(Error::document(
-            "fluxcal",
-            other.to_string(),
-            format!("the format version, {FORMAT_VERSION}"),
-        )),
-        None => Err(Error::document(
-            "fluxcal",
-            "no such key",
+    let (found, expected) = match head.fluxcal {
+        Some(Value::Number(version)) if version.as_u64() == Some(FORMAT_VERSION) => return Ok(()),
+        Some(Value::Number(version)) if version.as_f64() > Some(FORMAT_VERSION as f64) => (
+            format!("format version {version}"),
+            format!("version {FORMAT_VERSION}, the newest that this program knows; install a newer fluxcal"),
+        ),
+        Some(other) => (other.to_string(), format!("the format version, {FORMAT_VERSION}")),
+        None => (
+            "no such key".into(),
             format!(
                 "\"fluxcal\": {FORMAT_VERSION} at the top of every document; is this a fluxcal document?"
             ),
-        )),
-    }
+        ),
+    };
+    Err(Error::document("fluxcal", found, expected))
 }
 
 /// Between path, found and expected of an error that goes through serde, which knows only text.
@@ -142,11 +133,8 @@ pub(crate) fn explain(source: &str, path: &str, error: &serde_json::Error) -> Er
         return Error::document(path, format!("the key {rest} twice"), "each key once");
     }
     if message.starts_with("invalid length ") {
-        return Error::document(
-            path,
-            "a list",
-            in_words(message.split_once(", expected ").map_or("", |(_, e)| e)),
-        );
+        let expected = message.split_once(", expected ").map_or("", |(_, expected)| expected);
+        return Error::document(path, "a list", in_words(expected));
     }
     match message.split_once(", expected ") {
         Some((found, expected)) => Error::document(path, found_in_words(found), in_words(expected)),

@@ -3,14 +3,11 @@
 
 use serde::{Deserialize, Serialize};
 
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
-
 use crate::number::significant;
 
 /// A regression that a careful person would try.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct PlainRegression {
     /// How its terms are chosen.
@@ -52,7 +49,7 @@ impl PlainRegression {
 
 /// How well readings that were left out are predicted.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct HeldOutPrediction {
     /// Rms by the answer, nT.

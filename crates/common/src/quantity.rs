@@ -1,5 +1,3 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use std::fmt;
 
@@ -11,7 +9,7 @@ pub type Matrix3x3 = [[f64; 3]; 3];
 /// A value with its standard uncertainty; the unit stands in the key. A bare number has no stated
 /// uncertainty.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "a number or {\"value\": number, \"std\": number that is not negative}")]
 pub enum Quantity {
     /// `41234.5`
@@ -149,7 +147,7 @@ impl fmt::Display for Quantity {
 
 /// One number for all three axes, or one for each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "a number, or an object with one number for each of x, y, z")]
 pub enum OneOrEach {
     /// The same for all.

@@ -1,6 +1,4 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use std::fmt;
 
@@ -54,7 +52,7 @@ pub mod procedure {
 
 /// One recording: what was done, under which conditions, and the columns that came of it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Recording {
     /// Unique within the document.
     pub id: String,
@@ -83,7 +81,7 @@ pub struct Recording {
 
 /// Readings that were left out of a document.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Dropped {
     /// How many rows there were.
     pub rows: usize,
@@ -219,7 +217,7 @@ fn unique_columns<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Columns,
 
 /// What held throughout a recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Conditions {
     /// The sensor under test.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -261,7 +259,7 @@ pub struct Conditions {
 /// Readings of the two theodolites (NASA eq. 7 to 9): azimuth φ and polar angle θ of the faces that
 /// look north (x) and east (y), rad. R = nominal rotation × the rotation that the mean angles give.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Theodolite {
     /// Azimuth of the north face from north, rad.
     pub phi_x_rad: TheodoliteAngle,
@@ -281,7 +279,7 @@ pub struct Theodolite {
 
 /// An angle that was read once, or several times in the same setting of the block.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum TheodoliteAngle {
     /// One reading, rad.

@@ -1,6 +1,4 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Noise, PerAxis, Quantity};
@@ -8,7 +6,7 @@ use crate::{Extra, Noise, PerAxis, Quantity};
 /// How the sensors were calibrated by the magnitude of the field, by scalarcal. The calibration itself stands
 /// under `sensors` and `axes.sensors`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScalarCalibration {
     /// The recordings.
@@ -76,7 +74,7 @@ pub struct ScalarCalibration {
 
 /// The readings against a field that is known with its direction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct VectorFit {
     /// Moments at which field and attitude are known.
@@ -101,7 +99,7 @@ pub struct VectorFit {
 /// Iron that turns with the sensors: it makes HB + h of the field B. The magnitude does not show a turn
 /// within H, of which the symmetric part is given.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct BodyIron {
     /// h, the field of what is magnetised, in SEN, nT.
@@ -118,7 +116,7 @@ pub struct BodyIron {
 
 /// One fitted parameter.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScalarParameter {
     /// What it is.
@@ -140,7 +138,7 @@ pub struct ScalarParameter {
 
 /// The combination of parameters that the readings show least.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct WeakestDirection {
     /// Share of each parameter, largest one; sensitivities and cosines as they are, offsets over the
@@ -160,7 +158,7 @@ pub struct WeakestDirection {
 
 /// A constant error of the reference.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ReferenceOffset {
     /// What the reference reads too much, nT.
@@ -173,7 +171,7 @@ pub struct ReferenceOffset {
 
 /// The readings against what was known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AgainstKnown {
     /// χ² of the difference.
@@ -188,7 +186,7 @@ pub struct AgainstKnown {
 
 /// Whether the calibration holds over the time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScalarStability {
     /// The parts.
@@ -203,7 +201,7 @@ pub struct ScalarStability {
 
 /// The calibration in a part of the time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ScalarWindow {
     /// From, s.
@@ -222,7 +220,7 @@ pub struct ScalarWindow {
 
 /// Where in SEN the field lay, a part of the rows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FieldDirections {
     /// Unit vectors in SEN.

@@ -1,16 +1,14 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Budget, CrossFieldFit, Departure, ErrorBudget, Extra, FitNoise, OffsetDrift, Quantity, ReversalOffset,
-    SensorNoise, TemperatureFit, TestResult,
+    Budget, CrossFieldFit, Departure, ErrorBudget, Extra, OffsetDrift, Quantity, ReversalOffset, SensorNoise,
+    TemperatureFit,
 };
 
 /// One sensor: B = k V + O, the field along the sensor's own axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SensorCalibration {
     /// Sensitivity k, nT/V.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -55,7 +53,7 @@ pub struct SensorCalibration {
 
 /// How a sensor's sensitivity was found.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SensitivityFit {
     /// The recordings.
@@ -101,7 +99,7 @@ pub struct SensitivityFit {
 
 /// A polynomial of the applied field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PolynomialOrder {
     /// Its order; 1 is the line.
     pub order: usize,
@@ -113,7 +111,7 @@ pub struct PolynomialOrder {
 
 /// Readings that no longer follow the field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Saturation {
     /// The reading at which the output stands, in the unit of the recording: below, above.
@@ -126,7 +124,7 @@ pub struct Saturation {
 
 /// The readings as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SensitivityResiduals {
     /// Number of the recording, from 0.
@@ -139,4 +137,36 @@ pub struct SensitivityResiduals {
     pub deviation_nt: Vec<f64>,
     /// The same by all that is fitted, nT.
     pub residual_nt: Vec<f64>,
+}
+
+/// Noise on which the intervals of a fit rest.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct FitNoise {
+    /// `measured` (this document's `sensor_noise`), `declared` (`instrument.noise`), either `with that of the
+    /// field`, `residuals` (white and flicker in every proportion, averaged by likelihood).
+    pub source: String,
+    /// Rms of the residuals, nT.
+    pub rms_nt: f64,
+    /// Variance of the residuals over what the sensor's own noise promises, where that is measured or
+    /// declared.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variance_factor: Option<f64>,
+    /// Share of flicker noise and random walk in the variance of a reading.
+    pub flicker_share: f64,
+    /// Degrees of freedom.
+    pub degrees_of_freedom: f64,
+    /// From standard uncertainty to 95 % interval.
+    pub coverage_factor_95: f64,
+}
+
+/// A test with its probability.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct TestResult {
+    /// The statistic.
+    pub statistic: f64,
+    /// Probability of a larger one by chance.
+    pub p_value: f64,
 }

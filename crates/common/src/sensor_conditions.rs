@@ -1,13 +1,11 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Departure, Extra, FTest, FitNoise, Quantity, TestResult};
 
 /// What temperatures do to a sensor's sensitivity and offset.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct TemperatureFit {
     /// The recordings.
@@ -42,7 +40,7 @@ pub struct TemperatureFit {
 /// What one temperature does: k(T) and O(T) are those at the reference with these changes of the reading's
 /// field.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct TemperatureOfPart {
     /// Lowest and highest temperature, degC.
@@ -76,7 +74,7 @@ pub struct TemperatureOfPart {
 
 /// A temperature at which k or O of all sensors stand still.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CommonExtremum {
     /// `sensor` or `electronics`.
     pub part: String,
@@ -90,7 +88,7 @@ pub struct CommonExtremum {
 
 /// k and O at each temperature that was held, as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct TemperatureLevels {
     /// Number of the recording, from 0.
@@ -113,7 +111,7 @@ pub struct TemperatureLevels {
 
 /// What fields across a sensor do to its sensitivity and offset.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CrossFieldFit {
     /// The recordings.
@@ -153,7 +151,7 @@ pub struct CrossFieldFit {
 
 /// k and O at each field across, as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct CrossFieldLevels {
     /// Number of the recording, from 0.
@@ -174,7 +172,7 @@ pub struct CrossFieldLevels {
 
 /// A sensor's direction towards a coil across it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Misalignment {
     /// The recording.
     pub recording: String,
@@ -186,7 +184,7 @@ pub struct Misalignment {
 
 /// Rms of readings that were left out of a fit, nT.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct HeldOut {
     /// With the constants and the lean alone.
     pub before_nt: f64,

@@ -1,12 +1,10 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, MergedSpectrum, Noise, Quantity, SpectralLine};
 
 /// Noise of a sensor in a shield: P(f) = A f^-α + white + lines.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct SensorNoise {
     /// The series, slowest first.
@@ -68,7 +66,7 @@ impl SensorNoise {
 
 /// One series of a noise recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct NoiseSeriesResult {
     /// The recording.
@@ -99,7 +97,7 @@ pub struct NoiseSeriesResult {
 
 /// Rms in a band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BandRms {
     /// The band, Hz.
     pub band_hz: [f64; 2],
@@ -109,7 +107,7 @@ pub struct BandRms {
 
 /// Overlapping Allan deviation, as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct AllanDeviation {
     /// Number of the series, from 0.
@@ -137,7 +135,7 @@ impl AllanDeviation {
 
 /// What a measured field is uncertain by, at one field and one temperature.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ErrorBudget {
     /// Field along the sensor, nT.
@@ -154,7 +152,7 @@ pub struct ErrorBudget {
 
 /// One term of an error budget.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BudgetTerm {
     /// What it is.
     pub term: String,

@@ -1,13 +1,11 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, FitNoise, Quantity};
 
 /// Offset of a sensor by turning it through 180° in a shield.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ReversalOffset {
     /// O, over all recordings, nT.
@@ -28,7 +26,7 @@ pub struct ReversalOffset {
 
 /// One recording of reversals.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Reversal {
     /// The recording.
@@ -48,7 +46,7 @@ pub struct Reversal {
 
 /// Pairs of a reversal as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ReversalPairs {
     /// Row of the first reading.
@@ -61,7 +59,7 @@ pub struct ReversalPairs {
 
 /// Bound of the error of a turn that is not quite 180°.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ImperfectTurn {
     /// How far the turn may miss 180°, deg.
@@ -77,7 +75,7 @@ pub struct ImperfectTurn {
 
 /// Offsets from date to date.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct OffsetDrift {
     /// The dates as columns.
@@ -118,7 +116,7 @@ pub struct OffsetDrift {
 
 /// A yearly term.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct AnnualTerm {
     /// A, nT.
     pub cosine_nt: Quantity,
@@ -132,7 +130,7 @@ pub struct AnnualTerm {
 
 /// The dates of a drift as columns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DriftDates {
     /// The recording.

@@ -2,8 +2,6 @@
 //! and [`Undetermined`] says where and why; the rest of the answer stands. Readings that a program made are
 //! such as an instrument gives: others would be refused by whoever reads them.
 
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
@@ -14,7 +12,7 @@ pub(crate) use null::{part, read};
 
 /// Numbers that are `null` in the document because the recordings do not determine them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Undetermined {
     /// The path of the number; that of the list, for several of one list.
     pub path: String,

@@ -229,7 +229,7 @@ impl Output<'_> {
         match sheet {
             Sheet::Iaga(writer) => writer.finish()?,
             Sheet::Table(writer) => match writer.finish() {
-                Err(error) if !is_closed(&error, self.request.output) => return Err(error.into()),
+                Err(error) if !is_closed(&error, self.request.output) => return Err(error),
                 _ => {}
             },
         }

@@ -1,23 +1,17 @@
 //! Speed of IAGA-2002 and CSV.
 //!
-//! In memory: a day of seconds of IAGA-2002 and as many rows of CSV, without words and tables. The peers: the
-//! bytes alone.
-//!
-//! From files, each way in a process of its own and the fastest of some runs: a million rows read, and read
-//! and written as Parquet, against pandas on the same file (FLUXCAL_PYTHON names another interpreter than
-//! python3, FLUXCAL_BENCH_ROWS another number of rows).
+//! A million rows read, and read and written as Parquet, against pandas on the same file, each way in a process
+//! of its own and the fastest of some runs (FLUXCAL_PYTHON names another interpreter than python3,
+//! FLUXCAL_BENCH_ROWS another number of rows).
 
 use common::Document;
-use divan::{Bencher, black_box};
 use ingest::{Options, Readings};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::Command;
-use std::sync::{LazyLock, Mutex};
 use std::time::Instant;
 use std::{env, fs};
-use tempfile::TempDir;
 
 const DAY_ROWS: usize = 86_400;
 const FILE_ROWS: usize = 1_000_000;
@@ -34,23 +28,8 @@ fn main() {
     {
         return println!("{}", alone(Path::new(file)));
     }
-    divan::main();
-    drop(FOLDER.lock().expect("free").take());
-    // Files only where nothing else is asked for.
-    if arguments.iter().all(|word| word == "--bench") {
-        files();
-    }
+    files();
 }
-
-/// Removed at the end of `main`: statics are not dropped.
-static FOLDER: Mutex<Option<TempDir>> = Mutex::new(None);
-
-static FILES: LazyLock<[PathBuf; 2]> = LazyLock::new(|| {
-    let folder = tempfile::tempdir().expect("a folder");
-    let files = KINDS.map(|kind| write(folder.path(), kind, DAY_ROWS));
-    *FOLDER.lock().expect("free") = Some(folder);
-    files
-});
 
 /// A file of seconds from 2024-03-01 on.
 fn write(folder: &Path, kind: &str, rows: usize) -> PathBuf {
@@ -69,26 +48,16 @@ fn write(folder: &Path, kind: &str, rows: usize) -> PathBuf {
         let (month, date) = if day < 31 { (3, day + 1) } else { (4, day - 30) };
         let clock = format!("{:02}:{:02}:{:02}", second / 3600, second / 60 % 60, second % 60);
         let angle = row as f64 * 1e-3;
-        let [x, y, z] = [
-            20_900.0 + 90.0 * angle.sin(),
-            1400.0 + 80.0 * angle.cos(),
-            43_800.0 + 9.0 * (2.0 * angle).sin(),
-        ];
+        let (x, y) = (20_900.0 + 90.0 * angle.sin(), 1400.0 + 80.0 * angle.cos());
+        let z = 43_800.0 + 9.0 * (2.0 * angle).sin();
         if kind == "iaga" {
             let f = if row % 10 == 0 { 48_552.75 } else { 99_999.0 };
             let of_year = 61 + day;
-            writeln!(
-                text,
-                "2024-{month:02}-{date:02} {clock}.000 {of_year:03}    {x:9.2} {y:9.2} {z:9.2} {f:9.2}"
-            )
-            .expect("written");
+            let row = format!("{clock}.000 {of_year:03}    {x:9.2} {y:9.2} {z:9.2} {f:9.2}");
+            writeln!(text, "2024-{month:02}-{date:02} {row}").expect("written");
         } else {
-            writeln!(
-                text,
-                "2024-{month:02}-{date:02}T{clock}Z,{x:.3},{y:.3},{z:.3},{:.2}",
-                18.0 + 0.1 * angle.sin()
-            )
-            .expect("written");
+            let row = format!("{clock}Z,{x:.3},{y:.3},{z:.3},{:.2}", 18.0 + 0.1 * angle.sin());
+            writeln!(text, "2024-{month:02}-{date:02}T{row}").expect("written");
         }
     }
     let path = folder.join(format!("{kind}.txt"));
@@ -101,22 +70,6 @@ fn taken(file: &Path) -> ingest::Ingested {
     let options = Options { readings: Readings::Beside(Some(table)), ..Options::default() };
     let document = Document { fluxcal: 1, ..Document::default() };
     ingest::run(document, &[file.into()], &options).expect("taken")
-}
-
-fn file(kind: &str) -> &'static PathBuf {
-    &FILES[KINDS.iter().position(|name| *name == kind).expect("a kind")]
-}
-
-#[divan::bench(args = KINDS, sample_count = 20)]
-fn day(bencher: Bencher, kind: &str) {
-    let path = file(kind);
-    bencher.bench_local(|| taken(black_box(path)));
-}
-
-#[divan::bench(args = KINDS, sample_count = 20)]
-fn day_peer_bytes_alone(bencher: Bencher, kind: &str) {
-    let path = file(kind);
-    bencher.bench_local(|| fs::read(black_box(path)).expect("read"));
 }
 
 /// Reads a file, writes its table; the seconds of both and the sums of its columns.
@@ -165,24 +118,18 @@ fn files() {
         let size = fs::metadata(&file).expect("a file").len() as f64 / 1e6;
         println!("\n{rows} rows of {kind}, {size:.0} MB; the fastest of {RUNS}");
         let own = fastest(Command::new(&program).arg(ALONE).arg(&file)).expect("ingest");
-        println!(
-            "  {:<24} read {:.3} s, and written {:.3} s",
-            "ingest",
-            seconds(&own, "read"),
-            seconds(&own, "whole")
-        );
+        let (read, whole) = (seconds(&own, "read"), seconds(&own, "whole"));
+        println!("  {:<24} read {read:.3} s, and written {whole:.3} s", "ingest");
         let peers: &[&str] = if kind == "csv" { &["csv", "csv-pyarrow"] } else { &["iaga"] };
         for peer in peers {
             match fastest(Command::new(&python).arg(&script).arg(peer).arg(&file)) {
                 Ok(run) => {
-                    let times = |key: &str| seconds(&run, key) / seconds(&own, key);
+                    let (peer_read, peer_whole) = (seconds(&run, "read"), seconds(&run, "whole"));
                     println!(
-                        "  {:<24} read {:.3} s, and written {:.3} s: {:.1} and {:.1} times ingest's",
+                        "  {:<24} read {peer_read:.3} s, and written {peer_whole:.3} s: {:.1} and {:.1} times ingest's",
                         format!("pandas ({peer})"),
-                        seconds(&run, "read"),
-                        seconds(&run, "whole"),
-                        times("read"),
-                        times("whole")
+                        peer_read / read,
+                        peer_whole / whole
                     );
                     assert_eq!(run["rows"], own["rows"]);
                     let sums = |run: &Value| -> Vec<f64> {

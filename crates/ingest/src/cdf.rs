@@ -17,9 +17,7 @@ const MOST: usize = 32;
 
 /// Variables of a file as columns.
 pub struct Table {
-    /// The whole file.
     pub cdf: Cdf,
-    /// Variables of moments.
     pub moments: Vec<(String, Vec<Option<i64>>)>,
     /// Variables of numbers; a vector has a column for each component.
     pub columns: Vec<Column>,
@@ -61,7 +59,6 @@ impl Table {
         Ok(Table { cdf, moments, columns, notes })
     }
 
-    /// A column by its name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|column| column.name == name)
     }
@@ -135,27 +132,21 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), '.')?;
     let mut rows = Rows::default();
     for column in &mapping.columns {
-        let name = name(&column.from);
+        let name = column.from.name();
         let found = table.column(name).ok_or_else(|| absent(source, &table, name))?;
         rows.columns.push(found.values.clone());
     }
     let count = rows.columns.first().map_or(0, Vec::len);
     rows.lines = (1..=count as u32).collect();
-    if let Some(time) =
-        mapping.time.iter().flat_map(|time| &time.columns).next().map(name).filter(|_| !times.are_counted())
-    {
+    let time = mapping.time.iter().flat_map(|time| &time.columns).next().map(SourceColumn::name);
+    if let Some(time) = time.filter(|_| !times.are_counted()) {
         if let Some((_, moments)) = table.moments.iter().find(|(known, _)| known == time) {
             rows.times_ns = there(source, time, moments)?;
         } else {
             let column = table.column(time).ok_or_else(|| absent(source, &table, time))?;
             let moment = |(row, value): (usize, &f64)| {
-                times.read_number(*value).map_err(|expected| {
-                    source.fault(
-                        Place::Row { row: row as u64 + 1, name: time.into() },
-                        value.to_string(),
-                        expected,
-                    )
-                })
+                let place = || Place::Row { row: row as u64 + 1, name: time.into() };
+                times.read_number(*value).map_err(|expected| source.fault(place(), value, expected))
             };
             rows.times_ns = column.values.iter().enumerate().map(moment).collect::<Result<_, _>>()?;
         }
@@ -194,11 +185,4 @@ fn absent(source: &Source, table: &Table, name: &str) -> Error {
     let names: Vec<&str> = names.map(String::as_str).take(30).collect();
     let found = format!("no variable {name:?} among {}", names.join(", "));
     source.fault(Place::Whole, found, "the variables that the mapping takes")
-}
-
-fn name(from: &SourceColumn) -> &str {
-    match from {
-        SourceColumn::Name(name) => name,
-        SourceColumn::Number(_) => "",
-    }
 }

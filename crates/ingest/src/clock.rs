@@ -4,9 +4,7 @@
 use jiff::tz::TimeZone;
 use jiff::{SignedDuration, Timestamp};
 
-/// Nanoseconds of a second.
 pub const SECOND_NS: i64 = 1_000_000_000;
-/// Nanoseconds of a day.
 pub const DAY_NS: i64 = 86_400 * SECOND_NS;
 
 /// What a piece's times count from.
@@ -196,17 +194,20 @@ pub fn decimal(text: &[u8], unit_ns: i64, point: u8) -> Option<i64> {
             (true, true) => {}
             (false, false) if *byte == point => after = true,
             // 1.47819E+18 and the like: as a number of double precision.
-            _ => return float(text, unit_ns, point),
+            _ => {
+                let ns = float(text, point)? * unit_ns as f64;
+                return (ns.abs() < i64::MAX as f64).then_some(ns.round() as i64);
+            }
         }
     }
     let ns = sum.checked_mul(scale)?;
     Some(if negative { -ns } else { ns })
 }
 
-fn float(text: &[u8], unit_ns: i64, point: u8) -> Option<i64> {
+/// A number of double precision with that decimal mark, or a point.
+pub fn float(text: &[u8], point: u8) -> Option<f64> {
     let text: Vec<u8> = text.iter().map(|byte| if *byte == point { b'.' } else { *byte }).collect();
-    let ns = fast_float2::parse::<f64, _>(&text).ok()? * unit_ns as f64;
-    (ns.abs() < i64::MAX as f64).then_some(ns.round() as i64)
+    fast_float2::parse::<f64, _>(&text).ok()
 }
 
 /// Days and their parts since a day that is `epoch` days from 1970, ns, to the microsecond: a day's part has

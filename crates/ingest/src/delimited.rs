@@ -4,7 +4,7 @@ mod fields;
 mod parser;
 
 use common::number::counted;
-use tables::{COLUMN_LIMIT, Place};
+use tables::{COLUMN_LIMIT, Place, listed};
 
 use crate::Error;
 use crate::mapping::{Mapping, SourceColumn};
@@ -123,20 +123,13 @@ fn slots(
                 match (met.next(), met.next()) {
                     (Some(column), None) => column,
                     (Some(_), Some(_)) => {
-                        let found = format!("two columns {name:?}");
-                        return Err(source.fault(
-                            place,
-                            found,
-                            "in the mapping, the number of the one that is meant",
-                        ));
+                        let expected = "in the mapping, the number of the one that is meant";
+                        return Err(source.fault(place, format!("two columns {name:?}"), expected));
                     }
                     (None, _) => {
-                        let found = format!("no column {name:?} among {}", listed(names));
-                        return Err(source.fault(
-                            place,
-                            found,
-                            "the columns that the mapping takes; is its separator right?",
-                        ));
+                        let found = format!("no column {name:?} among {}", listed(names, 20));
+                        let expected = "the columns that the mapping takes; is its separator right?";
+                        return Err(source.fault(place, found, expected));
                     }
                 }
             }
@@ -148,13 +141,4 @@ fn slots(
         slots[column] = slot;
     }
     Ok(slots)
-}
-
-fn listed(names: &[String]) -> String {
-    const SHOWN: usize = 20;
-    let mut text = names[..names.len().min(SHOWN)].join(", ");
-    if names.len() > SHOWN {
-        text.push_str(&format!(", and {} more", names.len() - SHOWN));
-    }
-    text
 }

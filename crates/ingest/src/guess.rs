@@ -3,6 +3,7 @@
 
 mod columns;
 mod content;
+mod names;
 mod notation;
 mod open;
 mod sample;
@@ -37,23 +38,7 @@ pub fn guess(file: &Path, quantity: &str) -> Result<Guess, Error> {
 
 fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
     let sample = Sample::of(source)?;
-    let mut guess = Guess {
-        mapping: Mapping {
-            version: 1,
-            note: None,
-            separator: sample.notation.separator,
-            decimal: sample.notation.decimal,
-            thousands: sample.notation.thousands,
-            comment: sample.notation.comment.clone(),
-            header_line: sample.notation.header_line,
-            first_row_line: sample.notation.first_row_line,
-            missing: Vec::new(),
-            time: None,
-            columns: Vec::new(),
-        },
-        doubts: Vec::new(),
-        notes: Vec::new(),
-    };
+    let mut guess = Guess { mapping: sample.notation.mapping.clone(), doubts: Vec::new(), notes: Vec::new() };
     if let Some(mark) = guess.mapping.thousands.filter(|_| sample.notation.thousands_are_doubtful) {
         let doubt =
             format!("whether {mark:?} separates thousands or is the decimal mark (`thousands`, `decimal`)");

@@ -14,7 +14,7 @@ use crate::piece::Piece;
 use crate::text::Source;
 use crate::{Error, Options};
 
-pub use components::convert;
+pub use components::{convert, letter, put};
 use header::Header;
 
 /// Reads a file.
@@ -29,30 +29,17 @@ pub fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     piece.station = header.station.clone();
     let components = header.components(source, options.trust_rows, &mut piece.notes)?;
     let data = rows::read(source, &header, &components, options.trust_rows)?;
-    if data.rows.lines.is_empty() {
-        let expected = "rows of readings; was it copied in full?";
-        return Err(source.fault(Place::Whole, "a header and no row", expected));
-    }
     check_interval(source, &header, &data.rows.times_ns, options.trust_rows, &mut piece.notes)?;
     for (component, not_observed) in components.iter().zip(&data.not_observed) {
         if *not_observed == data.rows.lines.len() {
             piece.notes.push(format!("{component} was not observed (88888 throughout)"));
         }
     }
-    let base = options.declination_base_arcmin.or(header.declination_base_arcmin());
-    let converted = convert(&components, data.rows.columns, base, &options.quantity);
-    if converted.columns.is_empty() {
-        let expected = "a reading in one row at least";
-        return Err(source.fault(Place::Whole, "nothing but missing values", expected));
-    }
-    piece.columns = converted.columns;
     piece.times_ns = data.rows.times_ns;
     piece.lines = data.rows.lines;
     piece.header = header.kept();
-    piece.header.insert("components".into(), components.iter().collect::<String>().into());
-    if let Some(words) = converted.words {
-        piece.header.insert("converted".into(), words.into());
-    }
+    let base = options.declination_base_arcmin.or(header.declination_base_arcmin());
+    put(&mut piece, source, (&components, data.rows.columns), base, options)?;
     let rows_begin = source.bytes.len() - header.data(source).len();
     if std::str::from_utf8(&source.bytes[..rows_begin]).is_err() {
         piece.notes.push("the header is not in UTF-8 and was read as Latin-1".into());

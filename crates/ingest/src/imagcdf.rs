@@ -6,7 +6,7 @@ use indexmap::IndexMap;
 use tables::Place;
 
 use crate::cdf::{Table, there};
-use crate::iaga::convert;
+use crate::iaga::{convert, letter as component};
 use crate::piece::Piece;
 use crate::text::Source;
 use crate::{Error, Options, series};
@@ -54,15 +54,9 @@ pub fn read(source: &Source, options: &Options) -> Result<Option<Piece>, Error> 
         let mut piece = Piece::of(source, "ImagCDF");
         piece.times_ns = there(source, &times, moments.unwrap_or_default())?;
         piece.lines = (1..=piece.times_ns.len() as u32).collect();
-        if let Some((element, values)) =
-            elements.iter().find(|(_, values)| values.len() != piece.times_ns.len())
-        {
-            let found = format!(
-                "{} records of {} and {} of {times}",
-                values.len(),
-                element.name(),
-                piece.times_ns.len()
-            );
+        let count = piece.times_ns.len();
+        if let Some((element, values)) = elements.iter().find(|(_, values)| values.len() != count) {
+            let found = format!("{} records of {} and {count} of {times}", values.len(), element.name());
             return Err(source.fault(Place::Whole, found, "as many times as values"));
         }
         let (mut letters, mut fields) = (Vec::new(), Vec::new());
@@ -104,7 +98,6 @@ pub fn read(source: &Source, options: &Options) -> Result<Option<Piece>, Error> 
     Ok(Some(piece))
 }
 
-/// What a variable is.
 enum Element {
     /// A component by its letter.
     Field(char),
@@ -115,11 +108,7 @@ enum Element {
 impl Element {
     fn of(name: &str) -> Option<Self> {
         if let Some(letter) = name.strip_prefix("GeomagneticField") {
-            let mut letters = letter.chars();
-            return letters
-                .next()
-                .filter(|letter| "XYZHDIEFSGUVW".contains(*letter) && letters.next().is_none())
-                .map(Element::Field);
+            return component(letter).map(Element::Field);
         }
         name.strip_prefix("Temperature")?.parse().ok().map(Element::Temperature)
     }

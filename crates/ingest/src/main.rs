@@ -1,7 +1,8 @@
 //! `ingest`: files of observatories and loggers into a document.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use common::{Document, Error as Fault, HistoryEntry};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use common::{Document, Error as Fault};
 use ingest::{Keep, Mapping, Options, Readings};
 use program::pipe::{self, Input, Program};
 use program::{apart, beside, manual, number};
@@ -78,8 +79,8 @@ struct IngestArgs {
     #[arg(long, conflicts_with = "beside")]
     inline: bool,
     /// Which file takes precedence where files disagree: the one that begins first or last
-    #[arg(long, value_name = "FILE")]
-    keep: Option<KeepArg>,
+    #[arg(long, value_name = "FILE", value_parser = PossibleValuesParser::new(["first", "last"]).map(keep))]
+    keep: Option<Keep>,
     /// Sort rows that are out of order within a file
     #[arg(long)]
     sort: bool,
@@ -100,10 +101,8 @@ struct IngestArgs {
     quiet: bool,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum KeepArg {
-    First,
-    Last,
+fn keep(word: String) -> Keep {
+    if word == "first" { Keep::First } else { Keep::Last }
 }
 
 fn main() -> ExitCode {
@@ -132,8 +131,8 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
     }
     let (document, added) = match &args.add {
         Some(path) => {
-            let files =
-                args.files.iter().map(|file| file.display().to_string()).collect::<Vec<_>>().join(" ");
+            let files: Vec<String> = args.files.iter().map(|file| file.display().to_string()).collect();
+            let files = files.join(" ");
             let command = |file: &str| format!("ingest {file} | ingest --add - {files}");
             let (input, document) = Input::document(Some(path), command)?;
             (document, Some(input.sha256()))
@@ -152,27 +151,16 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
         quantity: args.quantity,
         id: args.id,
         procedure: args.procedure,
-        keep: args.keep.map(|keep| match keep {
-            KeepArg::First => Keep::First,
-            KeepArg::Last => Keep::Last,
-        }),
+        keep: args.keep,
         sort: args.sort,
         trust_rows: args.trust_rows,
         declination_base_arcmin: args.declination_base_arcmin,
         readings,
     };
     let mut ingested = ingest::run(document, &args.files, &options)?;
-    ingested.document.history.push(HistoryEntry {
-        stage: PROGRAM.name.into(),
-        version: PROGRAM.version.into(),
-        arguments,
-        input_sha256: added,
-        extra: Default::default(),
-    });
-    let table = ingested.table.as_ref();
-    let table = table.map(|table| {
-        args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new("")).join(&table.path)
-    });
+    ingested.document.history.push(PROGRAM.entry(arguments, added));
+    let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
+    let table = ingested.table.as_ref().map(|table| folder.join(&table.path));
     let read = args.files.iter().chain(&args.map).chain(args.add.iter().filter(|_| !args.in_place));
     apart::check(args.output.as_deref().into_iter().chain(table.as_deref()), read.map(PathBuf::as_path))?;
     beside::write(args.output.as_deref(), &ingested.document.to_text()?, ingested.table.as_slice())?;
@@ -195,8 +183,8 @@ fn arguments(args: &IngestArgs) -> Vec<String> {
     }
     said.extend(args.id.as_ref().map(|id| format!("--id={id}")));
     said.extend(args.keep.map(|keep| match keep {
-        KeepArg::First => "--keep=first".into(),
-        KeepArg::Last => "--keep=last".into(),
+        Keep::First => "--keep=first".into(),
+        Keep::Last => "--keep=last".into(),
     }));
     for (flag, name) in [
         (args.sort, "--sort"),

@@ -59,6 +59,24 @@ fn point() -> char {
     '.'
 }
 
+impl Default for Mapping {
+    fn default() -> Self {
+        Mapping {
+            version: 1,
+            note: None,
+            separator: comma(),
+            decimal: point(),
+            thousands: None,
+            comment: None,
+            header_line: None,
+            first_row_line: None,
+            missing: Vec::new(),
+            time: None,
+            columns: Vec::new(),
+        }
+    }
+}
+
 /// A column of the file, by its name or by its number from 1.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
@@ -68,6 +86,16 @@ pub enum SourceColumn {
     Number(NonZeroUsize),
     /// Its name in the header.
     Name(String),
+}
+
+impl SourceColumn {
+    /// Its name; empty where it goes by its number.
+    pub fn name(&self) -> &str {
+        match self {
+            SourceColumn::Name(name) => name,
+            SourceColumn::Number(_) => "",
+        }
+    }
 }
 
 impl fmt::Display for SourceColumn {
@@ -183,18 +211,5 @@ impl ColumnMapping {
 }
 
 /// Words of [`TimeMapping::format`] that are no patterns.
-pub const FORMATS: [&str; 13] = [
-    "iso",
-    "unix_s",
-    "unix_ms",
-    "unix_us",
-    "unix_ns",
-    "seconds",
-    "milliseconds",
-    "seconds_of_day",
-    "milliseconds_of_day",
-    "hours_of_day",
-    "day_of_year",
-    "excel_days",
-    "matlab_days",
-];
+pub const FORMATS: &str = "iso, unix_s, unix_ms, unix_us, unix_ns, seconds, milliseconds, seconds_of_day, milliseconds_of_day, \
+                           hours_of_day, day_of_year, excel_days, matlab_days";

@@ -18,30 +18,20 @@ use crate::times::Times;
 /// key of the mapping that no line has.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), '.')?;
-    let parser = Parser { mapping, times: &times, missing: numbers(mapping) };
+    let missing = mapping.missing.iter().filter_map(|text| text.parse().ok()).collect();
+    let parser = Parser { mapping, times: &times, missing };
     let rows = in_parts(&source.bytes, 1, mapping.columns.len(), 2, |part, line, room| {
         parser.parse(part, line, room)
     });
     let rows = rows.map_err(|fault| fault.of(source))?;
     for (column, values) in mapping.columns.iter().zip(&rows.columns) {
-        let key = key(&column.from);
+        let key = column.from.name();
         if !values.is_empty() && values.iter().all(|value| value.is_nan()) && !mentions(&source.bytes, key) {
             let expected = "it in one at least; look at `from` in the mapping";
             return Err(source.fault(Place::Whole, format!("no line with the key {key:?}"), expected));
         }
     }
     Piece::mapped(source, "NDJSON", mapping, &times, rows)
-}
-
-fn numbers(mapping: &Mapping) -> Vec<f64> {
-    mapping.missing.iter().filter_map(|text| text.parse().ok()).collect()
-}
-
-fn key(from: &SourceColumn) -> &str {
-    match from {
-        SourceColumn::Name(name) => name,
-        SourceColumn::Number(_) => "",
-    }
 }
 
 fn mentions(bytes: &[u8], key: &str) -> bool {
@@ -87,7 +77,7 @@ impl Parser<'_> {
             }
         };
         for (index, column) in self.mapping.columns.iter().enumerate() {
-            let key = key(&column.from);
+            let key = column.from.name();
             let place = || Some((index + 1, key.to_string()));
             let value = match object.get(key) {
                 None | Some(Value::Null) => f64::NAN,
@@ -106,7 +96,7 @@ impl Parser<'_> {
             room.end_row(0, number);
             return Ok(());
         }
-        let keys = self.mapping.time.iter().flat_map(|time| &time.columns).map(key);
+        let keys = self.mapping.time.iter().flat_map(|time| &time.columns).map(SourceColumn::name);
         let mut text = String::new();
         for key in keys {
             match object.get(key) {
@@ -124,7 +114,8 @@ impl Parser<'_> {
         match self.times.read(text.as_bytes()) {
             Ok(time) => room.end_row(time, number),
             Err(expected) => {
-                let key = self.mapping.time.iter().flat_map(|time| &time.columns).map(key).next();
+                let key =
+                    self.mapping.time.iter().flat_map(|time| &time.columns).map(SourceColumn::name).next();
                 return fault(key.map(|key| (1, key.to_string())), quoted(text.as_bytes()), expected);
             }
         }

@@ -14,19 +14,15 @@ pub struct Rows {
     pub times_ns: Vec<i64>,
     /// Values, column by column; NaN where one is missing.
     pub columns: Vec<Vec<f64>>,
-    /// The line of each.
     pub lines: Vec<u32>,
 }
 
 /// What is wrong with a row.
 pub struct RowFault {
-    /// The line, from 1.
     pub line: u32,
     /// Which column, from 1, and its name; None for the whole line.
     pub column: Option<(usize, String)>,
-    /// What stands there.
     pub found: String,
-    /// What should.
     pub expected: String,
 }
 

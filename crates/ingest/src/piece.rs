@@ -10,7 +10,7 @@ use crate::clock::Clock;
 use crate::fill::{self, Fill};
 use crate::mapping::Mapping;
 use crate::parts::Rows;
-use crate::raw::Raw;
+use crate::raw;
 use crate::text::Source;
 use crate::times::Times;
 
@@ -21,7 +21,6 @@ pub struct Piece {
     pub name: String,
     /// As messages name it.
     pub shown: String,
-    /// SHA-256 of the file.
     pub sha256: String,
     /// `IAGA-2002`, `CSV`, `NDJSON`, `Parquet`.
     pub format: &'static str,
@@ -37,7 +36,6 @@ pub struct Piece {
     pub station: Option<String>,
     /// Kept in the document: the header of the file, how it was converted.
     pub header: Extra,
-    /// Words for people.
     pub notes: Vec<String>,
 }
 
@@ -69,21 +67,20 @@ impl Piece {
     ) -> Result<Self, Error> {
         let mut piece = Piece::of(source, format);
         if rows.lines.is_empty() {
-            let expected = "rows of readings; was it copied in full?";
-            return Err(source.fault(Place::Whole, "a header and no row", expected));
+            return Err(source.no_row());
         }
         piece.clock = times.clock();
         times.settle(source, &mut rows, &mut piece.notes)?;
         for (column, mut values) in mapping.columns.iter().zip(rows.columns) {
-            let conversion = column.conversion()?;
+            let conversion = column.conversion("columns")?;
             let Fill { missing, not_observed } = fill::without(&mut values, column.to.ends_with("_nt"));
             if missing + not_observed > 0 {
                 let fills = counted(missing + not_observed, "fill value");
                 piece.notes.push(format!("{fills} (99999, 88888, 1e31) of {}, taken as missing", column.to));
             }
-            let raw = Raw::of(column, &mut values);
-            piece.notes.extend(raw.notes(&column.to));
-            if let Some((row, expected)) = raw.no_integer {
+            let (notes, no_integer) = raw::clean(column, &mut values);
+            piece.notes.extend(notes);
+            if let Some((row, expected)) = no_integer {
                 let found = format!("{} for {}", quoted(values[row]), column.to);
                 return Err(source.fault(Place::Line(rows.lines[row].into()), found, expected));
             }

@@ -5,49 +5,25 @@ use common::number::{bare, counted};
 
 use crate::mapping::ColumnMapping;
 
-/// What was done to a column.
-pub struct Raw<'a> {
-    column: &'a ColumnMapping,
-    missing: usize,
-    invalid: usize,
-    /// The first row that is no whole number of so many bits, and what was expected.
-    pub no_integer: Option<(usize, String)>,
-}
-
-impl<'a> Raw<'a> {
-    /// Makes fill values missing, whole numbers in two's complement signed, and values outside the valid
-    /// range missing.
-    pub fn of(column: &'a ColumnMapping, values: &mut [f64]) -> Self {
-        let mut raw = Raw { column, missing: 0, invalid: 0, no_integer: None };
-        if !column.missing.is_empty() {
-            raw.missing = without(values, |value| column.missing.contains(&value));
-        }
-        if let Some(bits) = column.bits {
-            raw.no_integer = signed(values, bits).map(|row| (row, integers(bits)));
-        }
-        if let Some([low, high]) = column.valid {
-            raw.invalid = without(values, |value| !(low..=high).contains(&value));
-        }
-        raw
+/// Makes fill values missing, whole numbers in two's complement signed, and values outside the valid range
+/// missing: in words, what became missing; and the first row that is no whole number of so many bits, with
+/// what was expected.
+pub fn clean(column: &ColumnMapping, values: &mut [f64]) -> (Vec<String>, Option<(usize, String)>) {
+    let (name, mut notes) = (&column.to, Vec::new());
+    let fills = &column.missing;
+    let missing = if fills.is_empty() { 0 } else { without(values, |value| fills.contains(&value)) };
+    if missing > 0 {
+        let (count, all) = (counted(missing, "fill value"), fills.iter().map(|value| bare(*value)));
+        notes.push(format!("{count} ({}) of {name}, taken as missing", all.collect::<Vec<_>>().join(", ")));
     }
-
-    /// In words, what became missing.
-    pub fn notes(&self, name: &str) -> Vec<String> {
-        let mut notes = Vec::new();
-        if self.missing > 0 {
-            let all: Vec<String> = self.column.missing.iter().map(|value| bare(*value)).collect();
-            notes.push(format!(
-                "{} ({}) of {name}, taken as missing",
-                counted(self.missing, "fill value"),
-                all.join(", ")
-            ));
-        }
-        if let (1.., Some([low, high])) = (self.invalid, self.column.valid) {
-            let (count, low, high) = (counted(self.invalid, "value"), bare(low), bare(high));
-            notes.push(format!("{count} of {name} outside {low} to {high}, taken as missing"));
-        }
-        notes
+    let no_integer = column.bits.and_then(|bits| Some((signed(values, bits)?, integers(bits))));
+    if let Some([low, high]) = column.valid
+        && let invalid @ 1.. = without(values, |value| !(low..=high).contains(&value))
+    {
+        let (count, low, high) = (counted(invalid, "value"), bare(low), bare(high));
+        notes.push(format!("{count} of {name} outside {low} to {high}, taken as missing"));
     }
+    (notes, no_integer)
 }
 
 /// Makes values missing; how many.
@@ -96,17 +72,17 @@ mod tests {
             ..column()
         };
         let mut values = [5.0, 65_535.0, 65_534.0, 32_768.0, f64::NAN, -7.0];
-        let raw = Raw::of(&column, &mut values);
-        assert_eq!((raw.missing, raw.invalid, raw.no_integer.is_none()), (1, 1, true));
+        let (notes, no_integer) = clean(&column, &mut values);
+        let expected = [
+            "1 fill value (65535) of x, taken as missing",
+            "1 value of x outside −100 to 100, taken as missing",
+        ];
+        assert_eq!((notes.as_slice(), no_integer), (&expected.map(String::from)[..], None));
         assert_eq!([values[0], values[2], values[5]], [5.0, -2.0, -7.0]);
         assert!([values[1], values[3], values[4]].iter().all(|value| value.is_nan()));
-        assert_eq!(raw.notes("x")[1], "1 value of x outside −100 to 100, taken as missing");
         let column = ColumnMapping { bits: Some(12), valid: None, ..column };
-        let first = |value: f64| Raw::of(&column, &mut [0.0, value]).no_integer.map(|(row, _)| row);
-        assert_eq!(
-            (first(4095.0), first(4096.0), first(-2049.0), first(1.5)),
-            (None, Some(1), Some(1), Some(1))
-        );
+        let first = |value: f64| clean(&column, &mut [0.0, value]).1.map(|(row, _)| row);
+        assert_eq!([4095.0, 4096.0, -2049.0, 1.5].map(first), [None, Some(1), Some(1), Some(1)]);
     }
 
     proptest! {

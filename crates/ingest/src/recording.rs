@@ -43,7 +43,7 @@ pub fn add(
     let jumps = jumps(&series, begin_ns);
     let words = words::words(&series, &pieces, &gaps, &jumps, step_s, start.as_deref(), &id);
     let jumps: Vec<Jump> = jumps.into_iter().map(|(jump, _)| jump).collect();
-    let source = source(&series, &pieces, step_s, gaps.kept(), &jumps);
+    let source = source(&series, &pieces, step_s, &gaps, &jumps);
     let rows = series.times_ns.len();
     let mut columns = Vec::with_capacity(1 + series.columns.len());
     if series.clock != Clock::None {
@@ -86,18 +86,17 @@ fn id(pieces: &[Piece], start: Option<&str>) -> String {
         (Some(station), Some(start)) => {
             format!("{}-{}", station.to_lowercase(), &start[..start.len().min(10)])
         }
-        _ => Path::new(&first.name)
-            .file_stem()
-            .map_or_else(|| "recording".into(), |stem| stem.to_string_lossy().into_owned()),
+        _ => {
+            let stem = Path::new(&first.name).file_stem();
+            stem.map_or_else(|| "recording".into(), |stem| stem.to_string_lossy().into_owned())
+        }
     }
 }
 
 /// Where the readings come from, as the document keeps it.
-fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: Extra, jumps: &[Jump]) -> Value {
-    let files: Vec<Value> = pieces
-        .iter()
-        .map(|piece| json!({"name": piece.name, "rows": piece.lines.len(), "sha256": piece.sha256}))
-        .collect();
+fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: &Gaps, jumps: &[Jump]) -> Value {
+    let file = |piece: &Piece| json!({"name": piece.name, "rows": piece.lines.len(), "sha256": piece.sha256});
+    let files: Vec<Value> = pieces.iter().map(file).collect();
     let mut source = Extra::new();
     source.insert("format".into(), pieces.first().map_or("", |piece| piece.format).into());
     source.insert("files".into(), files.into());
@@ -107,7 +106,7 @@ fn source(series: &Series, pieces: &[Piece], step_s: Option<f64>, gaps: Extra, j
     if let Some(step_s) = step_s {
         source.insert("step_s".into(), step_s.into());
     }
-    source.insert("gaps".into(), gaps.into());
+    source.insert("gaps".into(), json!(gaps));
     if !jumps.is_empty() {
         source.insert("jumps".into(), json!(jumps));
     }

@@ -1,20 +1,16 @@
 //! Files of one series, joined in the order of time; where they overlap and where they leave gaps.
 
-use common::Extra;
 use indexmap::IndexMap;
 use serde::Serialize;
-use serde_json::Value;
-use tables::Place;
+use tables::{Place, fault};
 
 use crate::clock::{self, Clock, SECOND_NS};
 use crate::piece::Piece;
-use crate::text::fault;
 use crate::{Error, Keep};
 
 /// Gaps that are listed one by one.
 const LISTED: usize = 20;
 
-/// A whole series.
 #[derive(Debug)]
 pub struct Series {
     /// What times count from.
@@ -34,7 +30,6 @@ pub struct Series {
 /// Places without rows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Gaps {
-    /// How many.
     pub count: usize,
     /// Rows that would fill them.
     pub missing_rows: u64,
@@ -156,30 +151,21 @@ pub fn join(mut pieces: Vec<Piece>, keep: Option<Keep>, sort: bool) -> Result<(S
 fn check_alike(pieces: &[Piece]) -> Result<(), Error> {
     for pair in pieces.windows(2) {
         let [first, second] = pair else { continue };
-        if let (Some(one), Some(other)) = (&first.station, &second.station)
-            && one != other
-        {
-            let message = format!(
-                "{} is of station {one}, {} of {other}; expected files of one series. Ingest each series by itself; \
-                 --add joins them in a document",
-                first.shown, second.shown
-            );
-            return Err(Error::Request(message));
-        }
-        if first.clock != second.clock {
-            let message = format!(
-                "{} and {}: one states when it was taken, the other does not; expected files of one clock",
-                first.shown, second.shown
-            );
-            return Err(Error::Request(message));
-        }
-        if first.clock == Clock::None {
-            let message = format!(
-                "{} and {} have no times, so that their order is not known; expected `time` in the mapping, or one file",
-                first.shown, second.shown
-            );
-            return Err(Error::Request(message));
-        }
+        let (a, b) = (&first.shown, &second.shown);
+        let message = match (&first.station, &second.station) {
+            (Some(one), Some(other)) if one != other => format!(
+                "{a} is of station {one}, {b} of {other}; expected files of one series. Ingest each series by itself; \
+                 --add joins them in a document"
+            ),
+            _ if first.clock != second.clock => format!(
+                "{a} and {b}: one states when it was taken, the other does not; expected files of one clock"
+            ),
+            _ if first.clock == Clock::None => format!(
+                "{a} and {b} have no times, so that their order is not known; expected `time` in the mapping, or one file"
+            ),
+            _ => continue,
+        };
+        return Err(Error::Request(message));
     }
     Ok(())
 }
@@ -221,7 +207,7 @@ fn merge(series: &mut Series, pieces: &[Piece], keep: Option<Keep>) -> Result<()
         .collect();
     let mut columns = vec![Vec::with_capacity(order.len()); series.columns.len()];
     for same in order.chunk_by(|a, b| a.0 == b.0) {
-        let (mut disagree, mut merged) = (false, 0);
+        let mut disagree = false;
         for (column, kept) in columns.iter_mut().enumerate() {
             let mut chosen = f64::NAN;
             for (_, piece, row) in same {
@@ -240,14 +226,10 @@ fn merge(series: &mut Series, pieces: &[Piece], keep: Option<Keep>) -> Result<()
                 }
             }
             kept.push(chosen);
-            merged = same.len() - 1;
         }
         series.times_ns.push(same[0].0);
-        if disagree {
-            series.disagreeing += merged;
-        } else {
-            series.merged += merged;
-        }
+        let count = if disagree { &mut series.disagreeing } else { &mut series.merged };
+        *count += same.len() - 1;
     }
     for (own, column) in series.columns.values_mut().zip(columns) {
         *own = column;
@@ -273,34 +255,18 @@ fn disagreement(pieces: &[Piece], same: &[(i64, u32, u32)], column: &str, values
     fault(&second.shown, Place::Line(line.into()), found, expected)
 }
 
-impl Gaps {
-    /// As the document keeps it.
-    pub fn kept(&self) -> Extra {
-        match serde_json::to_value(self) {
-            Ok(Value::Object(map)) => map,
-            _ => Extra::new(),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::text::Source;
     use proptest::prelude::*;
 
     fn piece(name: &str, rows: &[(i64, f64)]) -> Piece {
         Piece {
-            name: name.into(),
-            shown: name.into(),
-            sha256: String::new(),
-            format: "CSV",
-            clock: Clock::Utc,
             times_ns: rows.iter().map(|row| row.0 * SECOND_NS).collect(),
             columns: IndexMap::from([("sensor_x_nt".to_string(), rows.iter().map(|row| row.1).collect())]),
             lines: (2..).take(rows.len()).collect(),
-            station: None,
-            header: Extra::new(),
-            notes: Vec::new(),
+            ..Piece::of(&Source::empty(name), "CSV")
         }
     }
 
@@ -325,12 +291,8 @@ mod tests {
         assert_eq!((series.merged, series.disagreeing), (2, 0));
         let c = piece("c", &[(1, 2.5)]);
         let error = join(vec![a.clone(), c.clone()], None, false).expect_err("they disagree").to_string();
-        assert!(
-            error.starts_with(
-                "c, line 2: found sensor_x_nt 2.5 at 1970-01-01T00:00:01Z, where a, line 3 has 2;"
-            ),
-            "{error}"
-        );
+        let said = "c, line 2: found sensor_x_nt 2.5 at 1970-01-01T00:00:01Z, where a, line 3 has 2;";
+        assert!(error.starts_with(said), "{error}");
         let (last, _) = join(vec![a.clone(), c.clone()], Some(Keep::Last), false).expect("one series");
         assert_eq!((last.columns["sensor_x_nt"][1], last.disagreeing), (2.5, 1));
         let (first, _) = join(vec![a, c], Some(Keep::First), false).expect("one series");

@@ -4,14 +4,14 @@ use bytes::Bytes;
 use memchr::{memchr, memchr_iter};
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
+use std::fmt::Display;
 use std::fs;
 use std::io::Read;
 use std::path::Path;
 
 use crate::Error;
-use tables::{Content, Place};
+use tables::{Content, Place, fault};
 
-/// A file that was read.
 pub struct Source {
     /// As messages name it: as it was given.
     pub shown: String,
@@ -21,15 +21,15 @@ pub struct Source {
     pub bytes: Bytes,
     /// SHA-256 of the file as it is, where `bytes` are not.
     original_sha256: Option<String>,
-    /// What it is.
     pub kind: Content,
 }
 
 impl Source {
-    /// Text that needs no cleaning.
+    /// A text of that name without anything in it.
     #[cfg(test)]
-    pub fn new(shown: String, name: String, bytes: Vec<u8>, kind: Content) -> Self {
-        Source { shown, name, bytes: bytes.into(), original_sha256: None, kind }
+    pub fn empty(name: &str) -> Self {
+        let (shown, name) = (name.to_string(), name.to_string());
+        Source { shown, name, bytes: Bytes::new(), original_sha256: None, kind: Content::Delimited }
     }
 
     /// Reads a file, `-` for standard input.
@@ -65,16 +65,14 @@ impl Source {
         self.original_sha256.clone().unwrap_or_else(|| sha256(&self.bytes))
     }
 
-    /// A fault of this file.
-    pub fn fault(&self, place: Place, found: impl Into<String>, expected: impl Into<String>) -> Error {
+    /// The fault of a file without readings.
+    pub fn no_row(&self) -> Error {
+        self.fault(Place::Whole, "a header and no row", "rows of readings; was it copied in full?")
+    }
+
+    pub fn fault(&self, place: Place, found: impl Display, expected: impl Display) -> Error {
         fault(&self.shown, place, found, expected)
     }
-}
-
-/// A fault at a place of a file.
-pub fn fault(file: &str, place: Place, found: impl Into<String>, expected: impl Into<String>) -> Error {
-    let (found, expected) = (found.into(), expected.into());
-    tables::Error::Data { source_name: file.into(), place, found, expected }.into()
 }
 
 fn sha256(bytes: &[u8]) -> String {
@@ -148,17 +146,4 @@ pub(crate) fn quoted(bytes: &[u8]) -> String {
         short.push('…');
     }
     format!("{short:?}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn line_ends_of_all_kinds() {
-        let text = plain(b"\xEF\xBB\xBFa\r\nb\rc\r\r\nd\ne".to_vec());
-        let all: Vec<_> = lines(&text).map(|(number, line)| (number, line.to_vec())).collect();
-        let expected = [b"a", b"b", b"c", b"d", b"e"].iter().zip(1..).map(|(line, n)| (n, line.to_vec()));
-        assert_eq!(all, expected.collect::<Vec<_>>());
-    }
 }

@@ -15,58 +15,37 @@ use crate::text::Source;
 pub struct Times {
     form: Form,
     zone: Zone,
-    /// As the mapping states it.
     said: String,
     /// Nanoseconds that are added to each: the recording's start.
     begin_ns: i64,
     clock: Clock,
+    /// The decimal mark of numbers.
+    point: u8,
 }
 
 enum Form {
     Iso,
     /// A number of units of so many ns.
-    Decimal {
-        unit_ns: i64,
-        point: u8,
-    },
+    Decimal(i64),
     /// Year, and day of the year with decimals.
-    DayOfYear {
-        point: u8,
-    },
+    DayOfYear,
     /// Days since a day so far from 1970.
-    Days {
-        epoch: f64,
-        point: u8,
-    },
+    Days(f64),
     /// A pattern with the date.
     Pattern(String),
-    /// A pattern of the day, and a number since its midnight.
-    Dated {
-        pattern: String,
-        since: Since,
-    },
+    /// A pattern of the day, and a number of units of so many ns since its midnight.
+    Dated(String, i64),
     /// The time of day alone, with the day from elsewhere.
-    OfDay {
-        time: OfDay,
-        day: i64,
-        whose: Day,
-    },
+    OfDay(OfDay, i64, Day),
     /// Row by row.
     Step(f64),
     None,
 }
 
-/// A number since midnight.
-#[derive(Clone, Copy)]
-struct Since {
-    unit_ns: i64,
-    point: u8,
-}
-
-/// A time of day as it is written.
+/// A time of day as it is written: by a pattern, or as a number of units of so many ns since midnight.
 enum OfDay {
     Pattern(String),
-    Number(Since),
+    Number(i64),
 }
 
 /// Whose day is known.
@@ -78,17 +57,15 @@ enum Day {
     FirstRow,
 }
 
-impl Since {
-    fn read(self, text: &[u8]) -> Option<i64> {
-        // Midnight may be the end of a day as well.
-        clock::decimal(text, self.unit_ns, self.point).filter(|ns| (0..=DAY_NS).contains(ns))
-    }
+/// A number since midnight, ns. Midnight may be the end of a day as well.
+fn since_midnight(text: &[u8], unit_ns: i64, point: u8) -> Option<i64> {
+    clock::decimal(text, unit_ns, point).filter(|ns| (0..=DAY_NS).contains(ns))
 }
 
 impl OfDay {
-    fn read(&self, text: &[u8]) -> Option<i64> {
+    fn read(&self, text: &[u8], point: u8) -> Option<i64> {
         match self {
-            OfDay::Number(since) => since.read(text),
+            OfDay::Number(unit_ns) => since_midnight(text, *unit_ns, point),
             OfDay::Pattern(pattern) => {
                 let time = strtime::parse(pattern, text).ok()?.to_time().ok()?;
                 let midnight = jiff::civil::Time::midnight();
@@ -105,32 +82,30 @@ impl Times {
     ///
     /// A date that should be in the file's name and is not.
     pub fn new(source: &Source, mapping: Option<&TimeMapping>, decimal: char) -> Result<Self, Error> {
+        let point = decimal as u8;
         let Some(mapping) = mapping else {
             let (said, zone) = (String::new(), Zone::Fixed(0));
-            return Ok(Times { form: Form::None, zone, said, begin_ns: 0, clock: Clock::None });
+            return Ok(Times { form: Form::None, zone, said, begin_ns: 0, clock: Clock::None, point });
         };
-        let point = decimal as u8;
-        let unit = |unit_ns: i64| Form::Decimal { unit_ns, point };
         let form = match (mapping.step_s, mapping.format.as_str()) {
             (Some(step_s), _) => Form::Step(step_s),
             (None, "iso") => Form::Iso,
-            (None, "unix_s" | "seconds") => unit(SECOND_NS),
-            (None, "unix_ms" | "milliseconds") => unit(SECOND_NS / 1000),
-            (None, "unix_us") => unit(1000),
-            (None, "unix_ns") => unit(1),
-            (None, "day_of_year") => Form::DayOfYear { point },
-            (None, "excel_days") => Form::Days { epoch: 25_569.0, point },
-            (None, "matlab_days") => Form::Days { epoch: 719_529.0, point },
+            (None, "unix_s" | "seconds") => Form::Decimal(SECOND_NS),
+            (None, "unix_ms" | "milliseconds") => Form::Decimal(SECOND_NS / 1000),
+            (None, "unix_us") => Form::Decimal(1000),
+            (None, "unix_ns") => Form::Decimal(1),
+            (None, "day_of_year") => Form::DayOfYear,
+            (None, "excel_days") => Form::Days(25_569.0),
+            (None, "matlab_days") => Form::Days(719_529.0),
             (None, said) => {
-                let number = mapping.of_day().map(|(before, unit_ns, _)| (before, Since { unit_ns, point }));
-                let time = || number.map_or(OfDay::Pattern(said.into()), |(_, since)| OfDay::Number(since));
+                let number = mapping.of_day();
+                let time =
+                    || number.map_or(OfDay::Pattern(said.into()), |(_, unit_ns, _)| OfDay::Number(unit_ns));
                 let first = mapping.start.as_deref().and_then(|start| clock::date(start.as_bytes()));
                 match (&mapping.date_in_name, first, number) {
-                    (Some(date), ..) => {
-                        Form::OfDay { time: time(), day: day_in_name(source, date)?, whose: Day::MostRows }
-                    }
-                    (None, Some((day, _)), _) => Form::OfDay { time: time(), day, whose: Day::FirstRow },
-                    (None, None, Some((before, since))) => Form::Dated { pattern: before.into(), since },
+                    (Some(date), ..) => Form::OfDay(time(), day_in_name(source, date)?, Day::MostRows),
+                    (None, Some((day, _)), _) => Form::OfDay(time(), day, Day::FirstRow),
+                    (None, None, Some((before, unit_ns, _))) => Form::Dated(before.into(), unit_ns),
                     (None, None, None) => Form::Pattern(said.into()),
                 }
             }
@@ -143,7 +118,7 @@ impl Times {
             (true, None) => (0, Clock::Campaign),
             (true, Some(start)) => ((start.unix_s * 1e6).round() as i64 * 1000, Clock::Utc),
         };
-        Ok(Times { form, zone: mapping.zone(), said: mapping.format.clone(), begin_ns, clock })
+        Ok(Times { form, zone: mapping.zone(), said: mapping.format.clone(), begin_ns, clock, point })
     }
 
     /// What they count from.
@@ -162,31 +137,28 @@ impl Times {
         let as_expected = || self.expected();
         match &self.form {
             Form::Iso => clock::iso(text).ok_or_else(as_expected).and_then(|stamp| self.zone.moment(stamp)),
-            Form::Decimal { unit_ns, point } => {
-                let ns = clock::decimal(text, *unit_ns, *point).ok_or_else(as_expected)?;
+            Form::Decimal(unit_ns) => {
+                let ns = clock::decimal(text, *unit_ns, self.point).ok_or_else(as_expected)?;
                 ns.checked_add(self.begin_ns).ok_or_else(as_expected)
             }
-            Form::DayOfYear { point } => {
-                day_of_year(text, *point).ok_or_else(as_expected).and_then(|stamp| self.zone.moment(stamp))
-            }
-            Form::Days { epoch, point } => {
-                let clock_ns = number(text, *point)
-                    .and_then(|days| clock::days(days, *epoch))
-                    .ok_or_else(as_expected)?;
-                self.zone.moment(Stamp { clock_ns, ahead_s: None })
+            Form::DayOfYear => self.zone.moment(day_of_year(text, self.point).ok_or_else(as_expected)?),
+            Form::Days(epoch) => {
+                let clock_ns = clock::float(text, self.point).and_then(|days| clock::days(days, *epoch));
+                self.zone.moment(Stamp { clock_ns: clock_ns.ok_or_else(as_expected)?, ahead_s: None })
             }
             Form::Pattern(pattern) => {
                 let parts = strtime::parse(pattern, text).map_err(|_| as_expected())?;
                 self.zone.moment(stamp(&parts).ok_or_else(as_expected)?)
             }
             // Brought to UTC by `settle`, when it is known on which day each row was taken.
-            Form::OfDay { time, day, .. } => {
-                time.read(text).map(|ns| day * DAY_NS + ns).ok_or_else(as_expected)
+            Form::OfDay(time, day, _) => {
+                time.read(text, self.point).map(|ns| day * DAY_NS + ns).ok_or_else(as_expected)
             }
-            Form::Dated { pattern, since } => {
+            Form::Dated(pattern, unit_ns) => {
                 let cut = text.iter().rposition(|byte| *byte == b' ').ok_or_else(as_expected)?;
                 let date = strtime::parse(pattern, &text[..cut]).ok().and_then(|parts| parts.to_date().ok());
-                let (date, ns) = date.zip(since.read(&text[cut + 1..])).ok_or_else(as_expected)?;
+                let ns = since_midnight(&text[cut + 1..], *unit_ns, self.point);
+                let (date, ns) = date.zip(ns).ok_or_else(as_expected)?;
                 self.zone.moment(Stamp { clock_ns: days_of(date) * DAY_NS + ns, ahead_s: None })
             }
             Form::Step(_) | Form::None => Ok(0),
@@ -197,15 +169,15 @@ impl Times {
     pub fn read_number(&self, value: f64) -> Result<i64, String> {
         let ns = match &self.form {
             // A double holds seconds since 1970 to a quarter of a microsecond.
-            Form::Decimal { unit_ns, .. } if value.abs() * *unit_ns as f64 > 1e17 => {
+            Form::Decimal(unit_ns) if value.abs() * *unit_ns as f64 > 1e17 => {
                 Some((value * (*unit_ns as f64 / 1e3)).round() * 1e3)
             }
-            Form::Decimal { unit_ns, .. } => Some((value * *unit_ns as f64).round()),
-            Form::OfDay { time: OfDay::Number(since), day, .. } => {
-                let ns = (value * since.unit_ns as f64).round();
+            Form::Decimal(unit_ns) => Some((value * *unit_ns as f64).round()),
+            Form::OfDay(OfDay::Number(unit_ns), day, _) => {
+                let ns = (value * *unit_ns as f64).round();
                 (0.0..=DAY_NS as f64).contains(&ns).then_some(*day as f64 * DAY_NS as f64 + ns)
             }
-            Form::Days { epoch, .. } => {
+            Form::Days(epoch) => {
                 let stamp = clock::days(value, *epoch).map(|clock_ns| Stamp { clock_ns, ahead_s: None });
                 return stamp.ok_or_else(|| self.expected()).and_then(|stamp| self.zone.moment(stamp));
             }
@@ -237,10 +209,13 @@ impl Times {
                 rows.times_ns = (0..count).map(at).collect();
             }
             Form::None => rows.times_ns = (0..count as i64).collect(),
-            Form::OfDay { whose, .. } => {
+            Form::OfDay(_, _, whose) => {
                 match whose {
                     Day::MostRows => name_day(source, rows, notes)?,
-                    Day::FirstRow => count_days(rows),
+                    // Each midnight begins the next day.
+                    Day::FirstRow => midnights(&rows.times_ns).into_iter().for_each(|midnight| {
+                        rows.times_ns[midnight..].iter_mut().for_each(|time| *time += DAY_NS);
+                    }),
                 }
                 self.settle_zone(source, rows)?;
             }
@@ -266,13 +241,6 @@ impl Times {
 /// Rows with which a day begins: midnight is where the time of day falls by more than half a day.
 fn midnights(times_ns: &[i64]) -> Vec<usize> {
     (1..times_ns.len()).filter(|row| times_ns[row - 1] - times_ns[*row] > DAY_NS / 2).collect()
-}
-
-/// Each midnight begins the next day.
-fn count_days(rows: &mut Rows) {
-    for midnight in midnights(&rows.times_ns) {
-        rows.times_ns[midnight..].iter_mut().for_each(|time| *time += DAY_NS);
-    }
 }
 
 /// The day of the file's name is that of most rows: a log that begins at 23:59 began the day before.
@@ -323,15 +291,10 @@ fn stamp(parts: &BrokenDownTime) -> Option<Stamp> {
     Some(Stamp { clock_ns, ahead_s: parts.offset().map(|offset| i64::from(offset.seconds())) })
 }
 
-fn number(text: &[u8], point: u8) -> Option<f64> {
-    let text: Vec<u8> = text.iter().map(|byte| if *byte == point { b'.' } else { *byte }).collect();
-    fast_float2::parse::<f64, _>(&text).ok()
-}
-
 /// `2024 131.5`: noon of 10 May 2024.
 fn day_of_year(text: &[u8], point: u8) -> Option<Stamp> {
     let mut parts = text.split(|byte| *byte == b' ').filter(|part| !part.is_empty());
-    let (year, of_year) = (number(parts.next()?, point)?, number(parts.next()?, point)?);
+    let (year, of_year) = (clock::float(parts.next()?, point)?, clock::float(parts.next()?, point)?);
     let first = clock::day(year as i64, 1, 1)?;
     let fits = year.fract() == 0.0 && (1.0..367.0).contains(&of_year) && parts.next().is_none();
     let clock_ns = clock::days(of_year - 1.0, -(first as f64))?;
@@ -341,47 +304,41 @@ fn day_of_year(text: &[u8], point: u8) -> Option<Stamp> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tables::Content;
-
-    fn source(name: &str) -> Source {
-        Source::new(name.to_string(), name.to_string(), Vec::new(), Content::Delimited)
-    }
 
     fn read(format: &str, zone: Option<&str>, text: &str) -> Result<String, String> {
         let mapping =
             TimeMapping { format: format.into(), zone: zone.map(str::to_string), ..TimeMapping::default() };
-        let times = Times::new(&source("x.csv"), Some(&mapping), '.').map_err(|error| error.to_string())?;
+        let times =
+            Times::new(&Source::empty("x.csv"), Some(&mapping), '.').map_err(|error| error.to_string())?;
         times.read(text.as_bytes()).map(clock::text)
     }
 
     #[test]
     fn patterns_and_zones() {
-        let ok = |format: &str, zone: Option<&str>, text: &str| read(format, zone, text).expect(text);
-        assert_eq!(ok("%d.%m.%Y %H:%M:%S", None, "01.09.2011 12:00:05"), "2011-09-01T12:00:05Z");
-        assert_eq!(
-            ok("%d.%m.%Y %H:%M:%S", Some("Europe/Vienna"), "01.09.2011 12:00:05"),
-            "2011-09-01T10:00:05Z"
-        );
-        assert_eq!(ok("%Y %j %H:%M:%S%.f", None, "2011 244 00:00:00.25"), "2011-09-01T00:00:00.25Z");
-        assert_eq!(ok("%Y-%m-%dT%H:%M:%S%z", None, "2011-09-01T00:00:00+0200"), "2011-08-31T22:00:00Z");
-        assert_eq!(ok("day_of_year", None, "2024 131.5"), "2024-05-10T12:00:00Z");
-        assert_eq!(ok("unix_ms", None, "1565373905343.25"), "2019-08-09T18:05:05.34325Z");
-        assert_eq!(ok("excel_days", Some("+02:00"), "45422.5"), "2024-05-10T10:00:00Z");
+        for (format, zone, text, moment) in [
+            ("%d.%m.%Y %H:%M:%S", None, "01.09.2011 12:00:05", "2011-09-01T12:00:05Z"),
+            ("%d.%m.%Y %H:%M:%S", Some("Europe/Vienna"), "01.09.2011 12:00:05", "2011-09-01T10:00:05Z"),
+            ("%Y %j %H:%M:%S%.f", None, "2011 244 00:00:00.25", "2011-09-01T00:00:00.25Z"),
+            ("%Y-%m-%dT%H:%M:%S%z", None, "2011-09-01T00:00:00+0200", "2011-08-31T22:00:00Z"),
+            ("day_of_year", None, "2024 131.5", "2024-05-10T12:00:00Z"),
+            ("unix_ms", None, "1565373905343.25", "2019-08-09T18:05:05.34325Z"),
+            ("excel_days", Some("+02:00"), "45422.5", "2024-05-10T10:00:00Z"),
+            ("%Y-%m-%d seconds_of_day", None, "2025-03-14 3661.25", "2025-03-14T01:01:01.25Z"),
+            ("%Y %j seconds_of_day", Some("+01:00"), "2025 73 86400", "2025-03-14T23:00:00Z"),
+            ("%Y%m%d hours_of_day", None, "20250314 1.5", "2025-03-14T01:30:00Z"),
+            ("%m/%d/%Y %I:%M:%S %p", None, "3/14/2025 1:05:00 PM", "2025-03-14T13:05:00Z"),
+            ("%m/%d/%Y %I:%M:%S %p", None, "12/4/2025 12:05:00 AM", "2025-12-04T00:05:00Z"),
+        ] {
+            assert_eq!(read(format, zone, text).as_deref(), Ok(moment), "{format}");
+        }
         assert!(read("iso", None, "1.9.2011").expect_err("no ISO").contains("2024-05-10T00:00:00Z"));
         assert!(read("day_of_year", None, "2024 0.5").is_err());
+        assert!(read("%Y-%m-%d seconds_of_day", None, "2025-03-14 86401").is_err());
+        assert!(read("%Y-%m-%d seconds_of_day", None, "2025-03-14").is_err());
     }
 
     #[test]
-    fn days_and_numbers_since_midnight() {
-        let ok = |format: &str, zone: Option<&str>, text: &str| read(format, zone, text).expect(text);
-        assert_eq!(ok("%Y-%m-%d seconds_of_day", None, "2025-03-14 3661.25"), "2025-03-14T01:01:01.25Z");
-        assert_eq!(ok("%Y %j seconds_of_day", Some("+01:00"), "2025 73 86400"), "2025-03-14T23:00:00Z");
-        assert_eq!(ok("%Y%m%d hours_of_day", None, "20250314 1.5"), "2025-03-14T01:30:00Z");
-        assert_eq!(ok("%m/%d/%Y %I:%M:%S %p", None, "3/14/2025 1:05:00 PM"), "2025-03-14T13:05:00Z");
-        assert_eq!(ok("%m/%d/%Y %I:%M:%S %p", None, "12/4/2025 12:05:00 AM"), "2025-12-04T00:05:00Z");
-        assert!(read("%Y-%m-%d seconds_of_day", None, "2025-03-14 86401").is_err());
-        assert!(read("%Y-%m-%d seconds_of_day", None, "2025-03-14").is_err());
-        // From a day that is stated, over two midnights.
+    fn from_a_day_that_is_stated_over_two_midnights() {
         for (format, texts) in [
             ("seconds_of_day", ["43200", "86399.5", "0.5", "60000", "1"]),
             ("%H:%M:%S%.f", ["12:00:00", "23:59:59.5", "00:00:00.5", "16:40:00", "00:00:01"]),
@@ -391,10 +348,10 @@ mod tests {
                 start: Some("2025-03-14T00:00:00Z".into()),
                 ..TimeMapping::default()
             };
-            let times = Times::new(&source("x.csv"), Some(&mapping), '.').expect("times");
+            let times = Times::new(&Source::empty("x.csv"), Some(&mapping), '.').expect("times");
             let mut rows = Rows { lines: (1..=5).collect(), ..Rows::default() };
             rows.times_ns = texts.map(|text| times.read(text.as_bytes()).expect(text)).into();
-            times.settle(&source("x.csv"), &mut rows, &mut Vec::new()).expect("settled");
+            times.settle(&Source::empty("x.csv"), &mut rows, &mut Vec::new()).expect("settled");
             let days: Vec<i64> = rows.times_ns.iter().map(|time| time / DAY_NS - 20_161).collect();
             assert_eq!((days, times.clock()), (vec![0, 0, 1, 1, 2], Clock::Utc), "{format}");
         }
@@ -407,7 +364,7 @@ mod tests {
             date_in_name: Some("%b%d%y".into()),
             ..TimeMapping::default()
         };
-        let source = source("x-SEP0111.txt");
+        let source = Source::empty("x-SEP0111.txt");
         let times = Times::new(&source, Some(&mapping), '.').expect("a date");
         let mut rows = Rows { lines: vec![1, 2, 3, 4], ..Rows::default() };
         rows.times_ns = ["23:59:50", "00:00:00", "00:00:10", "00:00:20"]

@@ -9,98 +9,56 @@ pub struct Conversion {
     pub offset: f64,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum QuantityKind {
-    Field,
-    Temperature,
-    Voltage,
-    Current,
-    Angle,
-    Length,
-    Pressure,
-    Frequency,
-    Time,
-    Resistance,
-    Power,
-    Percent,
-    Counts,
-    Moment,
-}
-
-/// A unit: what it measures, how many of its kind's first unit it is, and where its zero lies in that.
-type Unit = (QuantityKind, f64, f64);
-
 /// Arcseconds of a radian.
 const RADIAN_ARCSEC: f64 = 206_264.806_247_096_36;
 
-/// Units of files as people write them. Letters count: mT is not MT, and G (gauss) not g.
-const UNITS: [(&str, Unit); 66] = [
-    ("nT", (QuantityKind::Field, 1.0, 0.0)),
-    ("T", (QuantityKind::Field, 1e9, 0.0)),
-    ("mT", (QuantityKind::Field, 1e6, 0.0)),
-    ("uT", (QuantityKind::Field, 1e3, 0.0)),
-    ("pT", (QuantityKind::Field, 1e-3, 0.0)),
-    ("G", (QuantityKind::Field, 1e5, 0.0)),
-    ("mG", (QuantityKind::Field, 1e2, 0.0)),
-    ("Gauss", (QuantityKind::Field, 1e5, 0.0)),
-    ("gauss", (QuantityKind::Field, 1e5, 0.0)),
-    ("gamma", (QuantityKind::Field, 1.0, 0.0)),
-    ("nt", (QuantityKind::Field, 1.0, 0.0)),
-    ("ut", (QuantityKind::Field, 1e3, 0.0)),
-    ("C", (QuantityKind::Temperature, 1.0, 0.0)),
-    ("°C", (QuantityKind::Temperature, 1.0, 0.0)),
-    ("degC", (QuantityKind::Temperature, 1.0, 0.0)),
-    ("deg_C", (QuantityKind::Temperature, 1.0, 0.0)),
-    ("celsius", (QuantityKind::Temperature, 1.0, 0.0)),
-    ("c", (QuantityKind::Temperature, 1.0, 0.0)),
-    ("K", (QuantityKind::Temperature, 1.0, -273.15)),
-    ("k", (QuantityKind::Temperature, 1.0, -273.15)),
-    ("F", (QuantityKind::Temperature, 5.0 / 9.0, -160.0 / 9.0)),
-    ("°F", (QuantityKind::Temperature, 5.0 / 9.0, -160.0 / 9.0)),
-    ("V", (QuantityKind::Voltage, 1.0, 0.0)),
-    ("v", (QuantityKind::Voltage, 1.0, 0.0)),
-    ("mV", (QuantityKind::Voltage, 1e-3, 0.0)),
-    ("uV", (QuantityKind::Voltage, 1e-6, 0.0)),
-    ("A", (QuantityKind::Current, 1.0, 0.0)),
-    ("a", (QuantityKind::Current, 1.0, 0.0)),
-    ("mA", (QuantityKind::Current, 1e-3, 0.0)),
-    ("uA", (QuantityKind::Current, 1e-6, 0.0)),
-    ("arcsec", (QuantityKind::Angle, 1.0, 0.0)),
-    ("\"", (QuantityKind::Angle, 1.0, 0.0)),
-    ("arcmin", (QuantityKind::Angle, 60.0, 0.0)),
-    ("'", (QuantityKind::Angle, 60.0, 0.0)),
-    ("deg", (QuantityKind::Angle, 3600.0, 0.0)),
-    ("°", (QuantityKind::Angle, 3600.0, 0.0)),
-    ("rad", (QuantityKind::Angle, RADIAN_ARCSEC, 0.0)),
-    ("mrad", (QuantityKind::Angle, RADIAN_ARCSEC / 1e3, 0.0)),
-    ("m", (QuantityKind::Length, 1.0, 0.0)),
-    ("cm", (QuantityKind::Length, 0.01, 0.0)),
-    ("mm", (QuantityKind::Length, 1e-3, 0.0)),
-    ("km", (QuantityKind::Length, 1e3, 0.0)),
-    ("Pa", (QuantityKind::Pressure, 1.0, 0.0)),
-    ("pa", (QuantityKind::Pressure, 1.0, 0.0)),
-    ("hPa", (QuantityKind::Pressure, 100.0, 0.0)),
-    ("kPa", (QuantityKind::Pressure, 1e3, 0.0)),
-    ("mbar", (QuantityKind::Pressure, 100.0, 0.0)),
-    ("bar", (QuantityKind::Pressure, 1e5, 0.0)),
-    ("Hz", (QuantityKind::Frequency, 1.0, 0.0)),
-    ("hz", (QuantityKind::Frequency, 1.0, 0.0)),
-    ("kHz", (QuantityKind::Frequency, 1e3, 0.0)),
-    ("s", (QuantityKind::Time, 1.0, 0.0)),
-    ("ms", (QuantityKind::Time, 1e-3, 0.0)),
-    ("us", (QuantityKind::Time, 1e-6, 0.0)),
-    ("min", (QuantityKind::Time, 60.0, 0.0)),
-    ("h", (QuantityKind::Time, 3600.0, 0.0)),
-    ("ohm", (QuantityKind::Resistance, 1.0, 0.0)),
-    ("kohm", (QuantityKind::Resistance, 1e3, 0.0)),
-    ("W", (QuantityKind::Power, 1.0, 0.0)),
-    ("w", (QuantityKind::Power, 1.0, 0.0)),
-    ("mW", (QuantityKind::Power, 1e-3, 0.0)),
-    ("percent", (QuantityKind::Percent, 1.0, 0.0)),
-    ("%", (QuantityKind::Percent, 1.0, 0.0)),
-    ("pct", (QuantityKind::Percent, 1.0, 0.0)),
-    ("counts", (QuantityKind::Counts, 1.0, 0.0)),
-    ("am2", (QuantityKind::Moment, 1.0, 0.0)),
+/// Units of files: the ending of the document's columns for what they measure, how many of the first unit of
+/// that kind one is, where its zero lies in that, and how people write it. Letters count: mT is not MT, and G
+/// (gauss) not g.
+const UNITS: [(&str, f64, f64, &str); 43] = [
+    ("nt", 1.0, 0.0, "nT nt gamma"),
+    ("nt", 1e9, 0.0, "T"),
+    ("nt", 1e6, 0.0, "mT"),
+    ("nt", 1e3, 0.0, "uT ut"),
+    ("nt", 1e-3, 0.0, "pT"),
+    ("nt", 1e5, 0.0, "G Gauss gauss"),
+    ("nt", 1e2, 0.0, "mG"),
+    ("c", 1.0, 0.0, "C °C degC deg_C celsius c"),
+    ("c", 1.0, -273.15, "K k"),
+    ("c", 5.0 / 9.0, -160.0 / 9.0, "F °F"),
+    ("v", 1.0, 0.0, "V v"),
+    ("v", 1e-3, 0.0, "mV"),
+    ("v", 1e-6, 0.0, "uV"),
+    ("a", 1.0, 0.0, "A a"),
+    ("a", 1e-3, 0.0, "mA"),
+    ("a", 1e-6, 0.0, "uA"),
+    ("deg", 1.0, 0.0, "arcsec \""),
+    ("deg", 60.0, 0.0, "arcmin '"),
+    ("deg", 3600.0, 0.0, "deg °"),
+    ("deg", RADIAN_ARCSEC, 0.0, "rad"),
+    ("deg", RADIAN_ARCSEC / 1e3, 0.0, "mrad"),
+    ("m", 1.0, 0.0, "m"),
+    ("m", 0.01, 0.0, "cm"),
+    ("m", 1e-3, 0.0, "mm"),
+    ("m", 1e3, 0.0, "km"),
+    ("pa", 1.0, 0.0, "Pa pa"),
+    ("pa", 100.0, 0.0, "hPa mbar"),
+    ("pa", 1e3, 0.0, "kPa"),
+    ("pa", 1e5, 0.0, "bar"),
+    ("hz", 1.0, 0.0, "Hz hz"),
+    ("hz", 1e3, 0.0, "kHz"),
+    ("s", 1.0, 0.0, "s"),
+    ("s", 1e-3, 0.0, "ms"),
+    ("s", 1e-6, 0.0, "us"),
+    ("s", 60.0, 0.0, "min"),
+    ("s", 3600.0, 0.0, "h"),
+    ("ohm", 1.0, 0.0, "ohm"),
+    ("ohm", 1e3, 0.0, "kohm"),
+    ("w", 1.0, 0.0, "W w"),
+    ("w", 1e-3, 0.0, "mW"),
+    ("percent", 1.0, 0.0, "percent % pct"),
+    ("counts", 1.0, 0.0, "counts"),
+    ("am2", 1.0, 0.0, "am2"),
 ];
 
 /// What a mapping may say, for messages.
@@ -113,12 +71,13 @@ fn plain(name: &str) -> String {
     close.replace(['µ', 'μ'], "u").replace(['Ω', 'Ω'], "ohm").replace('²', "2").replace("Am2", "am2")
 }
 
-fn unit(name: &str) -> Option<Unit> {
+/// What it measures, its size and its zero.
+fn unit(name: &str) -> Option<(&'static str, f64, f64)> {
     let name = plain(name);
-    UNITS.iter().find(|(known, _)| *known == name).map(|(_, unit)| *unit)
+    let found = UNITS.iter().find(|(.., spellings)| spellings.split(' ').any(|known| known == name));
+    found.map(|(kind, size, zero, _)| (*kind, *size, *zero))
 }
 
-/// Whether a file's unit is known.
 pub fn is_known(name: &str) -> bool {
     unit(name).is_some()
 }
@@ -141,23 +100,10 @@ pub fn is_measured(name: &str, unit: &str) -> bool {
 /// The ending of column names in the document for values in `name`, of the same kind: `nt` for `G`, `c` for
 /// `F`.
 pub fn ending_for(name: &str) -> Option<&'static str> {
-    Some(match unit(name)?.0 {
-        QuantityKind::Field => "nt",
-        QuantityKind::Temperature => "c",
-        QuantityKind::Voltage => "v",
-        QuantityKind::Current => "a",
-        QuantityKind::Angle if plain(name).ends_with("rad") => "rad",
-        QuantityKind::Angle if matches!(plain(name).as_str(), "arcsec" | "\"") => "arcsec",
-        QuantityKind::Angle => "deg",
-        QuantityKind::Length => "m",
-        QuantityKind::Pressure => "pa",
-        QuantityKind::Frequency => "hz",
-        QuantityKind::Time => "s",
-        QuantityKind::Resistance => "ohm",
-        QuantityKind::Power => "w",
-        QuantityKind::Percent => "percent",
-        QuantityKind::Counts => "counts",
-        QuantityKind::Moment => "am2",
+    Some(match (unit(name)?.0, plain(name).as_str()) {
+        ("deg", name) if name.ends_with("rad") => "rad",
+        ("deg", "arcsec" | "\"") => "arcsec",
+        (ending, _) => ending,
     })
 }
 

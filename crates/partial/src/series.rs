@@ -56,7 +56,7 @@ pub trait Take {
 /// A file that cannot be read, or rows that cannot be taken, each with file and row.
 pub fn take<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
-        let text = fs::read_to_string(path).map_err(|source| unreadable(path, source))?;
+        let text = fs::read_to_string(path).map_err(|source| Fault::file(path, "read", source))?;
         return document(series, path, &text);
     }
     table(series, path, 0.0)
@@ -73,7 +73,7 @@ pub fn take_from<S: Series>(
     mut input: impl Read + Send + 'static,
     shown: &str,
 ) -> Result<S::Partial, Fault> {
-    let failed = |source| unreadable(Path::new(shown), source);
+    let failed = |source| Fault::file(shown, "read", source);
     let mut head = Vec::new();
     input.by_ref().take(HEAD).read_to_end(&mut head).map_err(failed)?;
     let format = match Content::of(shown, &head)? {
@@ -145,10 +145,6 @@ fn columns(path: &Path) -> Result<Vec<String>, tables::Error> {
     Ok(Reader::open(path, None)?.columns().to_vec())
 }
 
-fn unreadable(path: &Path, source: std::io::Error) -> Fault {
-    Fault::file(path, "read", source)
-}
-
 fn document<S: Series>(series: &S, path: &Path, text: &str) -> Result<S::Partial, Fault> {
     let of_file = |error: String| Fault::Request(format!("{}: {error}", path.display()));
     if text.get(..64).unwrap_or(text).contains("fluxcal-partial") {
@@ -164,9 +160,9 @@ fn document<S: Series>(series: &S, path: &Path, text: &str) -> Result<S::Partial
         .map(|(index, one)| recording(series, path, index, one))
         .collect::<Result<_, _>>()?;
     if pieces.is_empty() {
+        let procedure = S::PROCEDURE;
         return Err(of_file(format!(
-            "found no recording of the procedure {}; expected at least one",
-            S::PROCEDURE
+            "found no recording of the procedure {procedure}; expected at least one"
         )));
     }
     merge(pieces).map_err(|error| of_file(told::<S>(error)))

@@ -1,7 +1,7 @@
 //! `stream` and `merge`: long series in one pass, and statistics of their pieces that are joined later.
 
 use clap::Args;
-use common::{Document, Error, HistoryEntry};
+use common::{Document, Error};
 use partial::{Partial, Series};
 use rayon::prelude::*;
 use std::fs::File;
@@ -143,13 +143,8 @@ impl Out {
         }
         progress::tell("fitting");
         let (mut document, input_sha256) = (answer.of)(&joined)?;
-        document.history.push(HistoryEntry {
-            stage: answer.program.name.into(),
-            version: answer.program.version.into(),
-            arguments: std::iter::once(command.to_string()).chain(answer.arguments.iter().cloned()).collect(),
-            input_sha256,
-            extra: Default::default(),
-        });
+        let arguments = [&[command.to_string()], answer.arguments.as_slice()].concat();
+        document.history.push(answer.program.entry(arguments, input_sha256));
         pipe::write(self.output.as_deref(), &document.to_text()?)?;
         if !self.quiet {
             pipe::say(&(answer.words)(&document));

@@ -12,8 +12,6 @@ use common::{Document, Error, Recording};
 pub use average::Average;
 pub use cut::{Bound, Cut};
 pub use join::Join;
-pub use rename::Rename;
-pub use resample::Resample;
 
 /// What is done.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,10 +20,10 @@ pub enum Operation {
     Cut(Cut),
     /// Means over windows.
     Average(Average),
-    /// Another step.
-    Resample(Resample),
-    /// Other names of columns.
-    Rename(Rename),
+    /// Another step, s.
+    Resample(f64),
+    /// Old names of columns and new ones; a quantity such as `sensor` stands for all that begin with it.
+    Rename(Vec<(String, String)>),
     /// Recordings made one.
     Join(Join),
 }
@@ -64,8 +62,8 @@ pub fn run(mut document: Document, ids: &[String], operation: &Operation) -> Res
         let said = match operation {
             Operation::Cut(cut) => cut.run(recording, &path)?,
             Operation::Average(average) => average.run(recording, &path)?,
-            Operation::Resample(resample) => resample.run(recording, &path)?,
-            Operation::Rename(rename) => rename.run(recording, &path)?,
+            Operation::Resample(step_s) => resample::resample(recording, &path, *step_s)?,
+            Operation::Rename(names) => rename::rename(recording, &path, names)?,
             Operation::Join(_) => continue,
         };
         words.push(format!("\"{}\": {said}", recording.id));

@@ -1,11 +1,11 @@
 //! `series`: recordings cut, averaged, resampled, joined, and their columns renamed.
 
 use clap::{Args, Parser, Subcommand};
-use common::{HistoryEntry, procedure};
+use common::procedure;
 use program::beside::{self, INLINE_ROWS, Table};
 use program::pipe::{self, Input, Io, Program};
 use program::{apart, manual, number};
-use series::{Average, Bound, Cut, Join, Operation, Rename, Resample};
+use series::{Average, Bound, Cut, Join, Operation};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -30,97 +30,82 @@ enum Command {
     /// Keep rows from one time up to another
     #[command(after_help = "Example:\n  \
         ingest fixtures/ingest/lemi.sec | series cut --from 5 --to 15 > result.json")]
-    Cut(CutArgs),
+    Cut {
+        #[command(flatten)]
+        io: Io,
+        /// The recording; absent: all with readings
+        #[arg(long, value_name = "ID")]
+        recording: Vec<String>,
+        /// Earliest time: RFC 3339, or seconds of time_s
+        #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = bound)]
+        from: Option<Bound>,
+        /// Rows before this time
+        #[arg(long, value_name = "TIME", allow_hyphen_values = true, required_unless_present = "from", value_parser = bound)]
+        to: Option<Bound>,
+    },
     /// Take means over windows that begin at whole multiples of their length in UTC, and count samples
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/lemi.sec | series average --window 10 > result.json"
     )]
-    Average(AverageArgs),
+    Average {
+        #[command(flatten)]
+        io: Io,
+        /// The recording; absent: all with readings
+        #[arg(long, value_name = "ID")]
+        recording: Vec<String>,
+        /// The length of a window, s
+        #[arg(long, value_name = "S", value_parser = number::positive)]
+        window: f64,
+        /// Minimum share of the samples of a full window, 0 to 1; means of fewer are missing
+        #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
+        share: f64,
+    },
     /// Resample to whole multiples of a step in UTC, with a low-pass filter against aliasing
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/logger.csv | series resample --step 60 > result.json"
     )]
-    Resample(ResampleArgs),
+    Resample {
+        #[command(flatten)]
+        io: Io,
+        /// The recording; absent: all with readings
+        #[arg(long, value_name = "ID")]
+        recording: Vec<String>,
+        /// The step, s
+        #[arg(long, value_name = "S", value_parser = number::positive)]
+        step: f64,
+    },
     /// Give columns other names; sensor=test renames all that begin with sensor_
     #[command(
         after_help = "Example:\n  ingest fixtures/ingest/lemi.sec | series rename sensor=test > result.json"
     )]
-    Rename(RenameArgs),
+    Rename {
+        /// OLD=NEW, several times
+        #[arg(required = true, value_name = "OLD=NEW", value_parser = pair)]
+        names: Vec<(String, String)>,
+        #[command(flatten)]
+        io: NamedIo,
+        /// The recording; absent: all with readings
+        #[arg(long, value_name = "ID")]
+        recording: Vec<String>,
+    },
     /// Join recordings into one: the columns of the others at the times of the first, clocks as they are
     #[command(after_help = "Example:\n  \
         ingest --as reference --id hut fixtures/ingest/field.ndjson > hut.json\n  \
         ingest --as test --id field --add hut.json fixtures/ingest/field.csv \\\n    \
         | series join hut field --procedure differential > result.json")]
-    Join(JoinArgs),
-}
-
-#[derive(Args)]
-struct CutArgs {
-    #[command(flatten)]
-    io: Io,
-    /// The recording; absent: all with readings
-    #[arg(long, value_name = "ID")]
-    recording: Vec<String>,
-    /// Earliest time: RFC 3339, or seconds of time_s
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = bound)]
-    from: Option<Bound>,
-    /// Rows before this time
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true, required_unless_present = "from", value_parser = bound)]
-    to: Option<Bound>,
-}
-
-#[derive(Args)]
-struct AverageArgs {
-    #[command(flatten)]
-    io: Io,
-    /// The recording; absent: all with readings
-    #[arg(long, value_name = "ID")]
-    recording: Vec<String>,
-    /// The length of a window, s
-    #[arg(long, value_name = "S", value_parser = number::positive)]
-    window: f64,
-    /// Minimum share of the samples of a full window, 0 to 1; means of fewer are missing
-    #[arg(long, value_name = "SHARE", default_value_t = 0.5, value_parser = share)]
-    share: f64,
-}
-
-#[derive(Args)]
-struct ResampleArgs {
-    #[command(flatten)]
-    io: Io,
-    /// The recording; absent: all with readings
-    #[arg(long, value_name = "ID")]
-    recording: Vec<String>,
-    /// The step, s
-    #[arg(long, value_name = "S", value_parser = number::positive)]
-    step: f64,
-}
-
-#[derive(Args)]
-struct RenameArgs {
-    /// OLD=NEW, several times
-    #[arg(required = true, value_name = "OLD=NEW", value_parser = pair)]
-    names: Vec<(String, String)>,
-    #[command(flatten)]
-    io: NamedIo,
-    /// The recording; absent: all with readings
-    #[arg(long, value_name = "ID")]
-    recording: Vec<String>,
-}
-
-#[derive(Args)]
-struct JoinArgs {
-    /// Ids of the recordings; the times are those of the first
-    #[arg(required = true, value_name = "ID")]
-    ids: Vec<String>,
-    #[command(flatten)]
-    io: NamedIo,
-    /// The id of what they become [default: that of the first]
-    #[arg(long)]
-    id: Option<String>,
-    /// Its procedure [default: that of the first]
-    #[arg(long)]
-    procedure: Option<String>,
+    Join {
+        /// Ids of the recordings; the times are those of the first
+        #[arg(required = true, value_name = "ID")]
+        ids: Vec<String>,
+        #[command(flatten)]
+        io: NamedIo,
+        /// The id of what they become [default: that of the first]
+        #[arg(long)]
+        id: Option<String>,
+        /// Its procedure [default: that of the first]
+        #[arg(long)]
+        procedure: Option<String>,
+    },
 }
 
 /// As [`Io`], where the plain arguments are something else.
@@ -161,28 +146,20 @@ fn pair(text: &str) -> Result<(String, String), String> {
         !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
     };
     let found = text.split_once('=').filter(|(old, new)| good(old) && good(new));
-    found
-        .map(|(old, new)| (old.into(), new.into()))
-        .ok_or_else(|| "expected OLD=NEW, as in sensor=test".into())
+    let (old, new) = found.ok_or("expected OLD=NEW, as in sensor=test")?;
+    Ok((old.into(), new.into()))
 }
 
 fn main() -> ExitCode {
     let (io, recordings, operation) = match manual::parse::<Cli>().command {
-        Command::Cut(args) => (args.io, args.recording, Operation::Cut(Cut { from: args.from, to: args.to })),
-        Command::Average(args) => (
-            args.io,
-            args.recording,
-            Operation::Average(Average { window_s: args.window, share: args.share }),
-        ),
-        Command::Resample(args) => {
-            (args.io, args.recording, Operation::Resample(Resample { step_s: args.step }))
+        Command::Cut { io, recording, from, to } => (io, recording, Operation::Cut(Cut { from, to })),
+        Command::Average { io, recording, window, share } => {
+            (io, recording, Operation::Average(Average { window_s: window, share }))
         }
-        Command::Rename(args) => {
-            (args.io.into(), args.recording, Operation::Rename(Rename { names: args.names }))
-        }
-        Command::Join(args) => {
-            let join = Join { ids: args.ids, id: args.id, procedure: args.procedure };
-            (args.io.into(), Vec::new(), Operation::Join(join))
+        Command::Resample { io, recording, step } => (io, recording, Operation::Resample(step)),
+        Command::Rename { names, io, recording } => (io.into(), recording, Operation::Rename(names)),
+        Command::Join { ids, io, id, procedure } => {
+            (io.into(), Vec::new(), Operation::Join(Join { ids, id, procedure }))
         }
     };
     pipe::finish(PROGRAM, run(&io, &recordings, &operation))
@@ -192,11 +169,8 @@ fn run(io: &Io, recordings: &[String], operation: &Operation) -> anyhow::Result<
     let name = name(operation);
     let command = |file: &str| format!("ingest {file} | series {name} …");
     let (input, mut document) = Input::document(io.file.as_deref(), command)?;
-    let read: Vec<PathBuf> = document
-        .recordings
-        .iter()
-        .filter_map(|recording| Some(io.folder().join(recording.table.as_ref()?)))
-        .collect();
+    let tables = document.recordings.iter().filter_map(|recording| recording.table.as_ref());
+    let read: Vec<PathBuf> = tables.map(|table| io.folder().join(table)).collect();
     io.apart(read.iter().map(PathBuf::as_path))?;
     beside::read(&mut document, io.folder(), PROGRAM.takes).map_err(|error| input.locate(error))?;
     let outcome = series::run(document, recordings, operation).map_err(|error| input.locate(error))?;
@@ -214,13 +188,7 @@ fn run(io: &Io, recordings: &[String], operation: &Operation) -> anyhow::Result<
     let folder = io.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
     let written: Vec<PathBuf> = tables.iter().map(|table| folder.join(&table.path)).collect();
     apart::check(written.iter().map(PathBuf::as_path), read.iter().map(PathBuf::as_path))?;
-    document.history.push(HistoryEntry {
-        stage: PROGRAM.name.into(),
-        version: PROGRAM.version.into(),
-        arguments: arguments(recordings, operation),
-        input_sha256: Some(input.sha256()),
-        extra: Default::default(),
-    });
+    document.history.push(PROGRAM.entry(arguments(recordings, operation), Some(input.sha256())));
     beside::write(io.output.as_deref(), &document.to_text()?, &tables)?;
     if !io.quiet {
         let beside = tables.iter().map(|table| format!("  readings beside the document: {}", table.path));
@@ -256,10 +224,8 @@ fn arguments(recordings: &[String], operation: &Operation) -> Vec<String> {
         Operation::Average(average) => {
             said.extend([format!("--window={}", average.window_s), format!("--share={}", average.share)]);
         }
-        Operation::Resample(resample) => said.push(format!("--step={}", resample.step_s)),
-        Operation::Rename(rename) => {
-            said.extend(rename.names.iter().map(|(old, new)| format!("{old}={new}")))
-        }
+        Operation::Resample(step_s) => said.push(format!("--step={step_s}")),
+        Operation::Rename(names) => said.extend(names.iter().map(|(old, new)| format!("{old}={new}"))),
         Operation::Join(join) => {
             said.extend(join.ids.iter().cloned());
             said.extend(join.id.as_ref().map(|id| format!("--id={id}")));

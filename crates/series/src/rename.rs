@@ -2,41 +2,32 @@
 
 use common::{Columns, Error, Recording};
 
-/// Old names and new ones.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Rename {
-    /// Pairs; a quantity such as `sensor` stands for all columns that begin with it.
-    pub names: Vec<(String, String)>,
-}
-
-impl Rename {
-    /// Renames columns of a recording; what was done, in words.
-    pub fn run(&self, recording: &mut Recording, path: &str) -> Result<String, Error> {
-        let mut said = Vec::new();
-        let mut columns = Columns::new();
-        for (name, column) in std::mem::take(&mut recording.columns) {
-            let new = self.names.iter().find_map(|(old, new)| renamed(&name, old, new));
-            if let Some(new) = &new {
-                said.push(format!("{name} is {new}"));
-            }
-            let new = new.unwrap_or(name);
-            if columns.insert(new.clone(), column).is_some() {
-                let found = format!("two columns {new} in \"{}\"", recording.id);
-                return Err(Error::document(format!("{path}.columns"), found, "each name once"));
-            }
+/// Renames columns of a recording, by old names and new ones; what was done, in words.
+pub fn rename(recording: &mut Recording, path: &str, names: &[(String, String)]) -> Result<String, Error> {
+    let mut said = Vec::new();
+    let mut columns = Columns::new();
+    for (name, column) in std::mem::take(&mut recording.columns) {
+        let new = names.iter().find_map(|(old, new)| renamed(&name, old, new));
+        if let Some(new) = &new {
+            said.push(format!("{name} is {new}"));
         }
-        recording.columns = columns;
-        if said.is_empty() {
-            let names: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
-            let asked: Vec<&str> = self.names.iter().map(|(old, _)| old.as_str()).collect();
-            return Err(Error::document(
-                format!("{path}.columns"),
-                format!("no column {} among {}", asked.join(", "), names.join(", ")),
-                "a column's name, or how some begin, such as sensor=test",
-            ));
+        let new = new.unwrap_or(name);
+        if columns.insert(new.clone(), column).is_some() {
+            let found = format!("two columns {new} in \"{}\"", recording.id);
+            return Err(Error::document(format!("{path}.columns"), found, "each name once"));
         }
-        Ok(said.join(", "))
     }
+    recording.columns = columns;
+    if said.is_empty() {
+        let there: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
+        let asked: Vec<&str> = names.iter().map(|(old, _)| old.as_str()).collect();
+        return Err(Error::document(
+            format!("{path}.columns"),
+            format!("no column {} among {}", asked.join(", "), there.join(", ")),
+            "a column's name, or how some begin, such as sensor=test",
+        ));
+    }
+    Ok(said.join(", "))
 }
 
 /// A name's new one: `sensor=test` makes `test_x_nt` of `sensor_x_nt`.

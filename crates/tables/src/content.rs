@@ -1,6 +1,6 @@
 use memchr::memchr;
 
-use crate::{Error, Place};
+use crate::{Error, Place, fault};
 
 /// What a file is, told from its content: names of files say little.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,10 +24,10 @@ impl Content {
     ///
     /// # Errors
     ///
-    /// [`Error::Data`] for nothing, archives, UTF-16, HDF5, and what is neither text nor a format that is
+    /// [`Error::Request`] for nothing, archives, UTF-16, HDF5, and what is neither text nor a format that is
     /// read.
     pub fn of(shown: &str, bytes: &[u8]) -> Result<Self, Error> {
-        let refused = |found: &str, expected: &str| Err(Error::data(shown, Place::Whole, found, expected));
+        let refused = |found: &str, expected: &str| Err(fault(shown, Place::Whole, found, expected));
         let archive = "a file of readings; unpack it first";
         let utf8 = "text in UTF-8; convert it, for example with iconv -f UTF-16 -t UTF-8";
         match bytes {

@@ -1,49 +1,8 @@
-use errors::Told;
+pub use errors::Error;
 use std::fmt;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
 
 /// Characters of a file that an error repeats.
 const QUOTED: usize = 40;
-
-/// An error as a person reads it: where, what was found, what was expected.
-#[derive(Debug, Error)]
-pub enum Error {
-    /// A table is not as it must be.
-    #[error("{source_name}{place}: found {found}; expected {expected}")]
-    Data {
-        /// The file's name, or `standard input`.
-        source_name: String,
-        /// Where in it.
-        place: Place,
-        /// What stands there.
-        found: String,
-        /// What should, and what to do.
-        expected: String,
-    },
-    /// What was asked cannot be done.
-    #[error("{0}")]
-    Request(String),
-    /// A file or stream failed.
-    #[error("{path}: cannot be {action}: {source}")]
-    File {
-        /// Which.
-        path: PathBuf,
-        /// `read` or `written`.
-        action: &'static str,
-        /// The system's word.
-        source: std::io::Error,
-    },
-}
-
-impl Told for Error {
-    fn told(self) -> errors::Error {
-        match self {
-            Error::File { path, action, source } => errors::Error::File { path, action, source },
-            other => errors::Error::Request(other.to_string()),
-        }
-    }
-}
 
 /// A place in a table.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,19 +51,14 @@ impl fmt::Display for Place {
     }
 }
 
-impl Error {
-    pub(crate) fn data(
-        source_name: &str,
-        place: Place,
-        found: impl Into<String>,
-        expected: impl Into<String>,
-    ) -> Self {
-        Error::Data { source_name: source_name.into(), place, found: found.into(), expected: expected.into() }
-    }
-
-    pub(crate) fn file(path: impl AsRef<Path>, action: &'static str, source: std::io::Error) -> Self {
-        Error::File { path: path.as_ref().into(), action, source }
-    }
+/// The error of what stands at a place of a file, or of `standard input`, and should be something else.
+pub fn fault(
+    source_name: &str,
+    place: Place,
+    found: impl fmt::Display,
+    expected: impl fmt::Display,
+) -> Error {
+    Error::Request(format!("{source_name}{place}: found {found}; expected {expected}"))
 }
 
 /// Text of a file, as an error repeats it.
@@ -117,12 +71,8 @@ pub(crate) fn quoted(bytes: &[u8]) -> String {
     format!("{short:?}")
 }
 
-/// Names, as an error lists them.
-pub(crate) fn listed(names: &[String]) -> String {
-    const SHOWN: usize = 30;
-    let mut text = names[..names.len().min(SHOWN)].join(", ");
-    if names.len() > SHOWN {
-        text.push_str(&format!(", and {} more", names.len() - SHOWN));
-    }
-    text
+/// Names, as an error lists them: so many at most.
+pub fn listed(names: &[String], most: usize) -> String {
+    let text = names[..names.len().min(most)].join(", ");
+    if names.len() > most { format!("{text}, and {} more", names.len() - most) } else { text }
 }

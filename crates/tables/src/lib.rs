@@ -17,7 +17,6 @@
 //!
 //! Names and sizes are limited: [`COLUMN_LIMIT`], [`LINE_LIMIT`].
 
-mod batch;
 mod beside;
 mod content;
 mod error;
@@ -25,12 +24,11 @@ mod format;
 mod read;
 mod write;
 
-pub use batch::{BATCH_ROWS, Batch};
 pub use beside::beside;
 pub use content::Content;
-pub use error::{Error, Place};
+pub use error::{Error, Place, fault, listed};
 pub use format::Format;
-pub use read::{ColumnKind, Reader, parquet_columns};
+pub use read::{BATCH_ROWS, Batch, ColumnKind, Reader, parquet_columns};
 pub use write::Writer;
 
 /// A table with more columns is refused.

@@ -1,5 +1,3 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Quantity;
@@ -8,7 +6,7 @@ use crate::number::uncertain;
 /// The clock of the test instrument against the reference's: positive where the test instrument's times are
 /// late.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClockDifference {
     /// Its offset in the middle of the recording, s; where times jump, in the middle of the longest segment.
     /// Its uncertainty covers what parts of the recording and bands of period give, where these scatter by
@@ -41,7 +39,7 @@ pub struct ClockDifference {
 
 /// The clock between two jumps of the times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClockSegment {
     /// Time of its first row, s.
     pub from_s: f64,
@@ -57,7 +55,7 @@ pub struct ClockSegment {
 
 /// A jump of an instrument's times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ClockJump {
     /// Id of the recording.
     pub recording: String,
@@ -80,7 +78,7 @@ pub struct ClockJump {
 
 /// What the field says of a jump of the times.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum JumpVerdict {
     /// The sampling jumped with the times: the offset is the same before and after.
@@ -96,7 +94,7 @@ pub enum JumpVerdict {
 
 /// Offsets of several parts, each with an uncertainty of its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OffsetScatter {
     /// How many.
     pub count: usize,
@@ -112,7 +110,7 @@ pub struct OffsetScatter {
 
 /// The delay in bands of period.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DelayBands {
     /// From short to long periods.
     pub bands: Vec<DelayBand>,
@@ -135,7 +133,7 @@ pub struct DelayBands {
 
 /// The delay of the test instrument against the reference in a band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct DelayBand {
     /// Shortest period, s.
     pub shortest_s: f64,
@@ -149,7 +147,7 @@ pub struct DelayBand {
 
 /// How a delay depends on the period.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DelayForm {
     /// Not at all: clocks, or filters of linear phase such as averages.

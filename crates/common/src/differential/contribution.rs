@@ -1,5 +1,3 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, PerAxis};
@@ -10,7 +8,7 @@ const SMALL: f64 = 0.01;
 /// What one thing adds to the difference of two magnetometers: its rms with it and without, everything else
 /// being the same.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Contribution {
     /// What it is.
@@ -33,7 +31,7 @@ pub struct Contribution {
 
 /// What may add to a difference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ContributionCause {
     /// The clocks differ.

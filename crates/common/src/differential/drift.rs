@@ -1,5 +1,3 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Quantity};
@@ -10,7 +8,7 @@ use crate::{Extra, Quantity};
 /// A `std` is such that value ± 1.96 std is the 95 % interval of Student's t with the degrees of freedom that
 /// the noise is known with.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Drift {
     /// What the readings demand. The straight part is always in the fit that the matrix is from, the
@@ -54,7 +52,7 @@ pub struct Drift {
 
 /// Which drift there is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DriftForm {
     /// None that noise alone would not show as often.
@@ -70,7 +68,7 @@ pub enum DriftForm {
 
 /// The joint fit: τ is the one unknown that is not linear.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct JointDrift {
     /// What the reference's x, y, z give to this axis, nT/nT.
     pub eta: [Quantity; 3],
@@ -91,7 +89,7 @@ pub struct JointDrift {
 
 /// The source's way: η by least squares, the drift by least squares to T − R η, taken from T, again.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct IteratedDrift {
     /// Rounds until a further one moved the drift by less than 1e-9 of the difference.
     pub rounds: usize,
@@ -111,7 +109,7 @@ pub struct IteratedDrift {
 
 /// How much d changes over a span that begins where the recording ends.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DriftChange {
     /// By the drift of the fit that the matrix is from, nT.
@@ -127,7 +125,7 @@ pub struct DriftChange {
 /// Two explanations of a slow change with their probabilities; the odds against a drift before the readings are those
 /// against any other name.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct DriftExplanations {
     /// Probability of a straight drift beside noise.
@@ -143,11 +141,49 @@ pub struct DriftExplanations {
 
 /// The mean of a difference over a window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct WindowMean {
     /// Its middle, s.
     pub time_s: f64,
     /// nT, about the mean of all; its uncertainty is that of a mean of the noise over the window, and of the
     /// matrix.
     pub mean_nt: Quantity,
+}
+
+/// A housekeeping column that the difference of two magnetometers follows, along one axis: d has c (x − x₀), x
+/// the column through a lag of first order, τ dx/dt = column − x.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default)]
+pub struct Followed {
+    /// Its name.
+    pub column: String,
+    /// τ, s; absent where the difference follows at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lag_s: Option<Quantity>,
+    /// Samples by which the column is logged late; below zero where it is logged early.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub late_rows: i32,
+    /// c, nT for each unit of the column.
+    pub nt_per_unit: Quantity,
+    /// c₂ of a further c₂ (x − x₀)², nT for each unit of the column squared; absent where it follows straight.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nt_per_unit2: Option<Quantity>,
+    /// Of a part that relaxes eight times as fast, nT for each unit of the column; absent where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fast_nt_per_unit: Option<Quantity>,
+    /// The exponent of the column, x being that power of it; absent where it is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub exponent: Option<f64>,
+    /// x₀, the mean of x over the recording: what is left of d there is in the offset.
+    pub at: f64,
+    /// One over the odds of the readings with the column and without it, as far as these are below one.
+    pub p: f64,
+    /// Keys that this version does not know.
+    #[serde(flatten)]
+    pub extra: Extra,
+}
+
+fn is_zero(rows: &i32) -> bool {
+    *rows == 0
 }

@@ -1,13 +1,11 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Quantity};
 
 /// One of two magnetometers side by side.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Magnetometer {
     /// The one that is trusted.
@@ -20,7 +18,7 @@ pub enum Magnetometer {
 /// Five values of one of two magnetometers that are known beforehand; those that are absent are 0 and 1, and
 /// exact.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct KnownInstrument {
     /// Whose they are.
@@ -40,7 +38,7 @@ pub struct KnownInstrument {
 
 /// The fourteen parameters of two magnetometers side by side (DIFF), of which five are known.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct FourteenParameters {
     /// Whose five were known.
@@ -67,7 +65,7 @@ pub struct FourteenParameters {
 
 /// An angle as people read it and as calibrations state it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Angle {
     /// The angle, deg.

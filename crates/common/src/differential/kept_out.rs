@@ -1,12 +1,10 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Extra, Quantity};
 
 /// What was found wrong with the samples and kept out of a differential fit, by diffmag.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct KeptOut {
     /// Runs of samples that lack a reading.
@@ -22,7 +20,7 @@ pub struct KeptOut {
 
 /// A run of samples that lack a reading of one of the instruments.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct Gap {
     /// Time of the first sample, s; from the earliest `start`, or on the campaign's clock where recordings
@@ -39,7 +37,7 @@ pub struct Gap {
 
 /// An event in the difference of the two instruments.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct KeptOutEvent {
     /// What it is.
     pub kind: EventKind,
@@ -63,7 +61,7 @@ pub struct KeptOutEvent {
 
 /// The form of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EventKind {
     /// The level changes and stays; fitted and taken off.
@@ -76,7 +74,7 @@ pub enum EventKind {
 
 /// The instrument of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum EventInstrument {
     /// The one under test.

@@ -1,6 +1,4 @@
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Matrix3x3, PerAxis, Quantity};
@@ -8,7 +6,7 @@ use crate::{Matrix3x3, PerAxis, Quantity};
 /// Noise of the reference: with R = B + e instead of the field B, least squares gives (1 − M⁻¹N) η for η,
 /// where M = Σ S_RR/P_d and N = Σ P_e/P_d over the frequencies.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ReferenceNoise {
     /// How it is known.
@@ -34,7 +32,7 @@ pub struct ReferenceNoise {
 
 /// From where the noise of the reference is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum ReferenceNoiseSource {
     /// It is not; how far it may pull is bounded.
@@ -50,7 +48,7 @@ pub enum ReferenceNoiseSource {
 
 /// One element of the matrix with what noise of the reference does to it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct PulledElement {
     /// As weighted, pulled toward zero.
@@ -71,7 +69,7 @@ pub struct PulledElement {
 
 /// Noise of one axis of one instrument, P(f) = A f^-α + white.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct OwnNoise {
     /// White noise of one reading, nT; 0 where it is not significant (1 %).
@@ -89,7 +87,7 @@ pub struct OwnNoise {
 /// Noise of the reference in the spectra of two instruments: where the field is weak the coefficients fall,
 /// as ⟨R* v⟩ = −P_e; everywhere else they give η.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct InSpectrum {
     /// Share of the difference's power that is the reference's, along each of its axes.
@@ -105,7 +103,7 @@ pub struct InSpectrum {
 
 /// Three instruments in one field: the noise of each.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct ThreeCornered {
     /// Of the reference.

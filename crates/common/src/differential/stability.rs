@@ -1,12 +1,10 @@
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::{Axis, Matrix3x3, PerAxis, Quantity};
 
 /// Whether the matrix η holds still.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default)]
 pub struct MatrixStability {
     /// In time.
@@ -26,7 +24,7 @@ pub struct MatrixStability {
 /// Whether several estimates of η are one. The share that noise of the reference may have in the difference
 /// biases each of them in another way; it is fitted with them, between none and all.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct OneMatrix {
     /// Probability of estimates that lie as far apart by chance, all axes of the test instrument together.
     pub p: f64,
@@ -36,7 +34,7 @@ pub struct OneMatrix {
 
 /// A sum of squares and what chance makes of it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ChiSquared {
     /// χ².
     pub chi_squared: f64,
@@ -48,7 +46,7 @@ pub struct ChiSquared {
 
 /// One estimate of η.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MatrixEstimate {
     /// η as in `calibration.differential.matrix`.
     pub matrix: Matrix3x3,
@@ -60,7 +58,7 @@ pub struct MatrixEstimate {
 
 /// η in windows of equal length.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MatrixWindows {
     /// The windows, each with a level and a straight drift of its own.
     pub windows: Vec<MatrixWindow>,
@@ -78,7 +76,7 @@ pub struct MatrixWindows {
 
 /// η in one window.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MatrixWindow {
     /// Time of its first sample, s.
     pub from_s: f64,
@@ -96,7 +94,7 @@ pub struct MatrixWindow {
 
 /// How an element differs after a moment from before.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ElementChange {
     /// `xz` from the reference's x to the test's z.
     pub element: String,
@@ -110,7 +108,7 @@ pub struct ElementChange {
 
 /// η from times in which the field varies little and much.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct QuietDisturbed {
     /// Length of the stretches that are ranked by the rms of the first differences of the reference, s.
     pub stretch_s: f64,
@@ -131,7 +129,7 @@ pub struct QuietDisturbed {
 
 /// η from variations within certain times.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct MatrixOfTimes {
     /// From and to, s; neighbouring stretches joined.
     pub times_s: Vec<[f64; 2]>,
@@ -143,7 +141,7 @@ pub struct MatrixOfTimes {
 
 /// T = R Z(f): the matrix as a transfer function, in bands.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TransferBands {
     /// The bands, long periods first.
     pub bands: Vec<TransferBand>,
@@ -160,7 +158,7 @@ pub struct TransferBands {
 
 /// Phases of Z as a clock offset.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PhaseClock {
     /// Positive where the test instrument's times are late, s.
     pub offset_s: Quantity,
@@ -170,7 +168,7 @@ pub struct PhaseClock {
 
 /// Z in one band.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TransferBand {
     /// Shortest period, s.
     pub from_period_s: f64,
@@ -194,7 +192,7 @@ pub struct TransferBand {
 
 /// One axis of the test instrument in one band.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct BandAxis {
     /// Share of its power that the reference explains: the multiple coherence.
     pub coherence: f64,

@@ -2,8 +2,6 @@
 
 use faer::{Col, ColRef, Mat, Scale};
 use indexmap::IndexMap;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::Extra;
@@ -17,7 +15,7 @@ pub(super) const SAME: f64 = 1e-6;
 
 /// Independent sources of uncertainty and what they move.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Uncertainty {
     /// The sources.
     #[serde(default)]
@@ -29,7 +27,7 @@ pub struct Uncertainty {
 
 /// One source: a quantity of mean zero and standard deviation one, independent of every other source.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Source {
     /// What it is. Sources of one name were estimated together, with one variance.
     pub name: String,

@@ -20,15 +20,12 @@ pub enum Slot {
 
 /// How the rows of a file are read.
 pub struct Parser<'a> {
-    /// The notation.
     pub mapping: &'a Mapping,
-    /// How times are read.
     pub times: &'a Times,
     /// Where the values of each column go.
     pub slots: Vec<Slot>,
     /// Numbers that stand for a missing value.
     pub missing: Vec<f64>,
-    /// Names of the columns, where there are any.
     pub names: Option<Vec<String>>,
 }
 
@@ -51,12 +48,8 @@ impl Parser<'_> {
             if is_row(line) {
                 if line.len() > LINE_LIMIT {
                     let found = format!("a line of {} bytes", line.len());
-                    return Err(RowFault {
-                        line: number,
-                        column: None,
-                        found,
-                        expected: "a row of values".into(),
-                    });
+                    let expected = "a row of values".into();
+                    return Err(RowFault { line: number, column: None, found, expected });
                 }
                 if self.row(line, number, room, &mut time)? {
                     let text = match &time[..] {
@@ -188,19 +181,13 @@ impl Parser<'_> {
                 "a number, or nothing where one is missing; if {found} stands for a missing one, add it to \"missing\" in the mapping"
             )
         };
-        let name = match &self.names {
-            Some(names) => names[column].clone(),
-            None => self.target(column),
+        // A column without a name goes by what becomes of it.
+        let name = match (&self.names, self.slots[column]) {
+            (Some(names), _) => names[column].clone(),
+            (None, Slot::Value(value)) => self.mapping.columns[value].to.clone(),
+            _ => "time".into(),
         };
         RowFault { line, column: Some((column + 1, name)), found, expected }
-    }
-
-    /// What a column without a name becomes.
-    fn target(&self, column: usize) -> String {
-        match self.slots[column] {
-            Slot::Value(value) => self.mapping.columns[value].to.clone(),
-            _ => "time".into(),
-        }
     }
 
     fn no_time(&self, line: u32, text: &[u8], expected: String) -> RowFault {
@@ -211,16 +198,10 @@ impl Parser<'_> {
 
     fn unequal(&self, line: &[u8], number: u32) -> RowFault {
         let found = counted(fields(line, self.mapping.separator).len(), "value");
-        let expected = match &self.names {
-            Some(names) => format!(
-                "{}, one for each name in the header; was the file cut, or is the separator another?",
-                names.len()
-            ),
-            None => format!(
-                "{}, as on the first row; was the file cut, or is the separator another?",
-                self.slots.len()
-            ),
-        };
+        let like =
+            if self.names.is_some() { "one for each name in the header" } else { "as on the first row" };
+        let count = self.slots.len();
+        let expected = format!("{count}, {like}; was the file cut, or is the separator another?");
         RowFault { line: number, column: None, found, expected }
     }
 }

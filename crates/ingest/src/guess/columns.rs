@@ -2,49 +2,22 @@
 
 use common::unit;
 
+use super::names::{is_among, plain};
 use super::open::Guess;
 use super::sample::{Cells, Sample};
-use super::time::plain;
 use super::{content, temperatures};
 use crate::mapping::ColumnMapping;
 use crate::units;
 
-/// What stands around x, y and z in names of field readings, in letters of lower case.
-const STEMS: [&str; 18] = [
-    "",
-    "b",
-    "m",
-    "h",
-    "mag",
-    "magn",
-    "field",
-    "bfield",
-    "magfield",
-    "magnetic",
-    "magneticfield",
-    "magnetometer",
-    "flux",
-    "fluxgate",
-    "fgm",
-    "fg",
-    "rm",
-    "sensor",
-];
+/// What stands around x, y and z in names of field readings, in letters of lower case, where anything does.
+const STEMS: &str = "b m h mag magn field bfield magfield magnetic magneticfield magnetometer flux fluxgate fgm fg \
+                     rm sensor";
 /// Names of a scalar magnetometer's readings.
-const SCALARS: [&str; 7] = ["f", "scalar", "fscalar", "totalfield", "proton", "pmag", "overhauser"];
-/// Beginnings of names that the document knows.
-const KNOWN: [&str; 10] = [
-    "coil_",
-    "sensor_",
-    "reference_",
-    "test_",
-    "third_",
-    "outside_",
-    "ambient_",
-    "electronics_",
-    "attitude_",
-    "tilt_",
-];
+const SCALARS: &str = "f scalar fscalar totalfield proton pmag overhauser";
+/// Beginnings of names that the document knows, up to their underscore.
+const KNOWN: &str = "coil sensor reference test third outside ambient electronics attitude tilt";
+/// Names that say nothing, without their numbers.
+const GENERIC: &str = "ch chan channel c col column var field value val data in input ain analog adc unnamed";
 
 /// A column as its header tells it.
 struct Told {
@@ -93,7 +66,7 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
         let mut mapping =
             ColumnMapping::plain(sample.from[one.column].clone(), String::new(), one.unit.clone());
         let axis = vector.as_ref().and_then(|vector| vector.iter().position(|found| *found == index));
-        let named = KNOWN.iter().any(|known| sample.names[one.column].starts_with(known));
+        let named = is_known(&sample.names[one.column]);
         match axis {
             Some(axis) if !named => {
                 let axis = ["x", "y", "z"][axis];
@@ -153,12 +126,14 @@ fn of_earth(sizes: Vec<f64>) -> (String, Option<String>) {
 
 /// Whether a name says nothing: none, a number, `ch3`, `Column 5`.
 fn is_generic(base: &str) -> bool {
-    const GENERIC: [&str; 18] = [
-        "", "ch", "chan", "channel", "c", "col", "column", "var", "field", "value", "val", "data", "in",
-        "input", "ain", "analog", "adc", "unnamed",
-    ];
     let name = plain(base);
-    GENERIC.contains(&name.trim_matches(|letter: char| letter.is_ascii_digit()))
+    let word = name.trim_matches(|letter: char| letter.is_ascii_digit());
+    word.is_empty() || is_among(word, GENERIC)
+}
+
+/// Whether a name begins as those of the document.
+fn is_known(name: &str) -> bool {
+    name.split_once('_').is_some_and(|(head, _)| is_among(head, KNOWN))
 }
 
 /// Three columns beside one another that are one field by their content, where their names say nothing.
@@ -180,15 +155,13 @@ fn vector(told: &[Told]) -> Option<[usize; 3]> {
     };
     let stem = |told: &Told, axis: char| {
         let name = plain(&told.base);
-        let without = name.strip_suffix(axis).or_else(|| name.strip_prefix(axis)).or_else(|| {
-            // x1, bx2: the axis before a number.
-            let (head, digits) =
-                name.split_at(name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len());
-            head.strip_suffix(axis).filter(|_| !digits.is_empty())
-        })?;
-        let digits_end = &name[name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len()..];
+        let (head, digits_end) =
+            name.split_at(name.trim_end_matches(|letter: char| letter.is_ascii_digit()).len());
+        let without = name.strip_suffix(axis).or_else(|| name.strip_prefix(axis));
+        // x1, bx2: the axis before a number.
+        let without = without.or_else(|| head.strip_suffix(axis).filter(|_| !digits_end.is_empty()))?;
         let stem = without.trim_end_matches(|letter: char| letter.is_ascii_digit());
-        STEMS.contains(&stem).then(|| (stem.to_string(), digits_end.to_string()))
+        (stem.is_empty() || is_among(stem, STEMS)).then(|| (stem.to_string(), digits_end.to_string()))
     };
     told.iter().enumerate().find_map(|(x, first)| {
         let key = stem(first, 'x').filter(|_| of_field(&first.unit))?;
@@ -214,7 +187,7 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample, th
     let (name, column) = (sample.names[told.column].as_str(), told.column);
     let short = plain(&told.base);
     let ending = told.unit.as_deref().and_then(units::ending_for);
-    if SCALARS.contains(&short.as_str()) && matches!(ending, None | Some("nt")) {
+    if is_among(&short, SCALARS) && matches!(ending, None | Some("nt")) {
         mapping.to = "reference_nt".into();
         if mapping.unit.is_none() {
             let (unit, note) = of_earth(sample.numbers(column));
@@ -222,7 +195,7 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample, th
         }
         return;
     }
-    if KNOWN.iter().any(|known| name.starts_with(known)) && is_name(name) {
+    if is_known(name) && is_name(name) {
         mapping.to = name.into();
         return;
     }
@@ -234,8 +207,8 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample, th
         if told.unit.is_none() {
             let kelvin = content::temperature(&sample.numbers(column)).is_some_and(|(unit, _)| unit == "K");
             mapping.unit = Some(if kelvin { "K" } else { "C" }.into());
-            mapping.note =
-                Some("no unit is stated; °C is usual".replace("°C", if kelvin { "K" } else { "°C" }));
+            let unit = if kelvin { "K" } else { "°C" };
+            mapping.note = Some(format!("no unit is stated; {unit} is usual"));
         }
         return;
     }
@@ -293,15 +266,13 @@ fn split_unit(name: &str) -> (String, Option<String>) {
             && let Some((unit, _)) = rest.split_once(close)
         {
             let known = units::is_known(unit).then(|| unit.trim().to_string());
-            return (
-                base.trim().to_string(),
-                known.or_else(|| Some("?".into()).filter(|_| !unit.trim().is_empty())),
-            );
+            let stated = known.or_else(|| Some("?".into()).filter(|_| !unit.trim().is_empty()));
+            return (base.trim().to_string(), stated);
         }
     }
     if let Some((base, unit)) = name.rsplit_once(['_', ' ', '/']) {
         let lower = unit.chars().all(|letter| letter.is_ascii_lowercase());
-        let meant = KNOWN.iter().any(|known| name.starts_with(known)) || units::is_measured(base, unit);
+        let meant = is_known(name) || units::is_measured(base, unit);
         let known = meant && unit::of_column(name).is_some();
         let long = units::is_known(unit) && (!lower || unit.len() > 1);
         if !base.is_empty() && (known || long) {
@@ -344,20 +315,16 @@ mod tests {
 
     #[test]
     fn three_axes_of_one_field() {
-        let told = |names: &[&str]| -> Vec<Told> {
-            names
-                .iter()
-                .enumerate()
-                .map(|(column, name)| Told { column, base: name.to_string(), unit: None })
-                .collect()
-        };
-        assert_eq!(
-            vector(&told(&["accel_x", "accel_y", "accel_z", "mag_x", "mag_y", "mag_z"])),
-            Some([3, 4, 5])
-        );
-        assert_eq!(vector(&told(&["z", "y", "x"])), Some([2, 1, 0]));
-        assert_eq!(vector(&told(&["x1", "y1", "z1", "x2", "y2", "z2"])), Some([0, 1, 2]));
-        assert_eq!(vector(&told(&["rm3100_x", "rm3100_y", "rm3100_z"])), Some([0, 1, 2]));
-        assert_eq!(vector(&told(&["x", "y"])), None);
+        for (names, found) in [
+            ("accel_x accel_y accel_z mag_x mag_y mag_z", Some([3, 4, 5])),
+            ("z y x", Some([2, 1, 0])),
+            ("x1 y1 z1 x2 y2 z2", Some([0, 1, 2])),
+            ("rm3100_x rm3100_y rm3100_z", Some([0, 1, 2])),
+            ("x y", None),
+        ] {
+            let told = names.split(' ').enumerate();
+            let told = told.map(|(column, name)| Told { column, base: name.to_string(), unit: None });
+            assert_eq!(vector(&told.collect::<Vec<_>>()), found, "{names}");
+        }
     }
 }

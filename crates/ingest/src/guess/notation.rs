@@ -5,6 +5,7 @@ use tables::Place;
 use crate::Error;
 use crate::clock;
 use crate::delimited::fields;
+use crate::mapping::Mapping;
 use crate::text::{Source, decoded, lines};
 use crate::units;
 
@@ -13,97 +14,57 @@ const THOUSANDS: [char; 4] = [',', '.', '\'', '_'];
 /// Lines that are looked at for the first row.
 const HEAD: usize = 1000;
 
-/// A notation.
+/// A notation; by default that of formats that have but one.
+#[derive(Default)]
 pub struct Notation {
-    /// Between values; a blank stands for any number of blanks.
-    pub separator: char,
-    /// The decimal mark.
-    pub decimal: char,
-    /// What stands between thousands, where something does.
-    pub thousands: Option<char>,
+    /// As a mapping states it, still without columns.
+    pub mapping: Mapping,
     /// Whether a comma before three digits might as well be the decimal mark.
     pub thousands_are_doubtful: bool,
-    /// What comments begin with.
-    pub comment: Option<String>,
-    /// The line of the names.
-    pub header_line: Option<u32>,
-    /// The line of the first row, where it is not the one after the names.
-    pub first_row_line: Option<u32>,
-    /// How many columns.
     pub width: usize,
-    /// The names.
     pub names: Option<Vec<String>>,
     /// Units below the names.
     pub units: Option<Vec<Option<String>>>,
-    /// Some rows.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Notation {
-    /// Of formats that have but one.
-    pub fn usual() -> Self {
-        Notation {
-            separator: ',',
-            decimal: '.',
-            thousands: None,
-            thousands_are_doubtful: false,
-            comment: None,
-            header_line: None,
-            first_row_line: None,
-            width: 0,
-            names: None,
-            units: None,
-            rows: Vec::new(),
-        }
-    }
-
-    /// A number in this notation.
     pub fn number(&self, cell: &str) -> Option<f64> {
-        number(cell, self.decimal).or_else(|| grouped(cell, self.decimal, self.thousands?))
+        let Mapping { decimal, thousands, .. } = self.mapping;
+        number(cell, decimal).or_else(|| grouped(cell, decimal, thousands?))
     }
 
     /// Looks at the beginning of a file.
     pub fn of(source: &Source, rows: usize) -> Result<Self, Error> {
-        let all: Vec<(u32, &[u8])> = lines(&source.bytes)
-            .filter(|(_, line)| !line.trim_ascii().is_empty())
-            .take(HEAD + rows)
-            .collect();
-        let comment = ["#", "%", "//", "!"].into_iter().find(|mark| {
-            all.first().is_some_and(|(_, line)| line.trim_ascii_start().starts_with(mark.as_bytes()))
-        });
-        let is_comment =
-            |line: &[u8]| comment.is_some_and(|mark| line.trim_ascii_start().starts_with(mark.as_bytes()));
+        let all = lines(&source.bytes).filter(|(_, line)| !line.trim_ascii().is_empty());
+        let all: Vec<(u32, &[u8])> = all.take(HEAD + rows).collect();
+        let begins = |line: &[u8], mark: &str| line.trim_ascii_start().starts_with(mark.as_bytes());
+        let mut marks = ["#", "%", "//", "!"].into_iter();
+        let comment = marks.find(|mark| all.first().is_some_and(|(_, line)| begins(line, mark)));
+        let is_comment = |line: &[u8]| comment.is_some_and(|mark| begins(line, mark));
         let table: Vec<(u32, &[u8])> = all.iter().copied().filter(|(_, line)| !is_comment(line)).collect();
-        let Some(separator) = separator(&table) else {
-            let found = if table.len() == 1 { "one line of words and no row" } else { "no row of numbers" };
+        let none = |found: &str| {
             let expected = "rows of readings; was it copied in full, and is it a file of readings?";
-            return Err(source.fault(Place::Whole, found, expected));
+            Err(source.fault(Place::Whole, found, expected))
+        };
+        let Some(separator) = separator(&table) else {
+            return none(if table.len() == 1 { "one line of words and no row" } else { "no row of numbers" });
         };
         let of_line = |line: &[u8]| -> Vec<String> {
             fields(line, separator).into_iter().map(|field| decoded(field).trim().to_string()).collect()
         };
         let Some(first) = table.iter().position(|(_, line)| is_row(&of_line(line))) else {
-            return Err(source.fault(
-                Place::Whole,
-                "a header and no row",
-                "rows of readings; was it copied in full, and is it a file of readings?",
-            ));
+            return none("a header and no row");
         };
         let cells: Vec<Vec<String>> =
             table[first..].iter().take(rows).map(|(_, line)| of_line(line)).collect();
         let width = cells[0].len();
         let decimal = decimal(&cells, separator);
         let (thousands, thousands_are_doubtful) = thousands(&cells, decimal);
-        let mut notation = Notation {
-            separator,
-            decimal,
-            thousands,
-            thousands_are_doubtful,
-            comment: comment.map(str::to_string),
-            width,
-            ..Self::usual()
-        };
-        notation.rows = cells;
+        let comment_mark = comment.map(str::to_string);
+        let mapping = Mapping { separator, decimal, thousands, comment: comment_mark, ..Mapping::default() };
+        let mut notation =
+            Notation { mapping, thousands_are_doubtful, width, rows: cells, ..Notation::default() };
         // Lines of words above the first row with as many fields; the topmost has the names. A comment may be
         // it.
         let above = table[..first].iter().rev().take_while(|(_, line)| {
@@ -113,9 +74,10 @@ impl Notation {
         let above: Vec<(u32, Vec<String>)> = above.map(|(number, line)| (*number, of_line(line))).collect();
         let first_line = table[first].0;
         if let Some((number, names)) = above.last() {
-            notation.header_line = Some(*number);
+            notation.mapping.header_line = Some(*number);
             notation.names = Some(names.clone());
-            notation.first_row_line = (first_line > number + 1 && above.len() > 1).then_some(first_line);
+            notation.mapping.first_row_line =
+                (first_line > number + 1 && above.len() > 1).then_some(first_line);
             notation.units =
                 above.iter().rev().nth(1).filter(|(_, cells)| are_units(cells)).map(|(_, cells)| {
                     cells.iter().map(|cell| units::is_known(cell).then(|| cell.clone())).collect()
@@ -126,7 +88,7 @@ impl Notation {
                 (*number, of_line(line.trim_ascii_start().strip_prefix(mark.as_bytes()).unwrap_or(line)))
             });
             if let Some((number, names)) = names.filter(|(_, names)| names.len() == width && !is_row(names)) {
-                notation.header_line = Some(number);
+                notation.mapping.header_line = Some(number);
                 notation.names = Some(names);
             }
         }

@@ -40,9 +40,7 @@ pub enum Cells {
     Moments,
     /// Date and time, or a date, as ISO 8601 writes it.
     Iso,
-    /// Anything else.
     Text,
-    /// Nothing.
     Empty,
 }
 
@@ -67,7 +65,7 @@ impl Sample {
         let notation = Notation::of(source, ROWS)?;
         let width = notation.width;
         if width > COLUMN_LIMIT {
-            return Err(crate::delimited::too_many(source, notation.header_line.unwrap_or(1), width));
+            return Err(crate::delimited::too_many(source, notation.mapping.header_line.unwrap_or(1), width));
         }
         let names = notation.names.clone().unwrap_or_else(|| vec![String::new(); width]);
         let alone =
@@ -76,11 +74,9 @@ impl Sample {
             let number = NonZeroUsize::MIN.saturating_add(index);
             if alone(name) { SourceColumn::Name(name.clone()) } else { SourceColumn::Number(number) }
         });
-        let from = from.collect();
-        let cells = (0..width).map(|column| {
-            notation.rows.iter().map(|row| row.get(column).cloned().unwrap_or_default()).collect()
-        });
-        let cells = cells.collect();
+        let cell = |row: &Vec<String>, column: usize| row.get(column).cloned().unwrap_or_default();
+        let cells = (0..width).map(|column| notation.rows.iter().map(|row| cell(row, column)).collect());
+        let (from, cells) = (from.collect(), cells.collect());
         Ok(Self::new(notation, from, names, cells))
     }
 
@@ -108,8 +104,8 @@ impl Sample {
             Some(other) => other.to_string(),
         };
         let cells = names.iter().map(|name| objects.iter().map(|object| cell(object.get(name))).collect());
-        let (cells, from) = (cells.collect(), names.iter().cloned().map(SourceColumn::Name).collect());
-        let mut sample = Self::new(Notation::usual(), from, names, cells);
+        let (cells, from) = (cells.collect(), by_name(&names));
+        let mut sample = Self::new(Notation::default(), from, names, cells);
         // A number in quotes is text here.
         for (kind, name) in sample.kinds.iter_mut().zip(&sample.names) {
             if *kind == Cells::Numbers
@@ -132,35 +128,25 @@ impl Sample {
             units.push(unit);
             kinds.push(kind);
         }
-        let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
-        let numbers = table.columns.iter().map(|column| column.values.iter().take(ROWS).map(cell).collect());
+        let numbers = table.columns.iter().map(|column| first_cells(&column.values));
         let cells = table.moments.iter().map(|_| Vec::new()).chain(numbers).collect();
-        let from = names.iter().cloned().map(SourceColumn::Name).collect();
-        Ok(Sample { notation: Notation::usual(), from, names, units, cells, kinds })
+        let from = by_name(&names);
+        Ok(Sample { notation: Notation::default(), from, names, units, cells, kinds })
     }
 
     fn of_parquet(source: &Source) -> Result<Self, Error> {
         let bytes = || Cursor::new(source.bytes.clone());
         let columns = tables::parquet_columns(bytes(), &source.shown)?;
-        let wanted: Vec<&str> = columns
-            .iter()
-            .filter(|(_, kind)| *kind != ColumnKind::Other)
-            .map(|(name, _)| name.as_str())
-            .collect();
+        let wanted = columns.iter().filter(|(_, kind)| *kind != ColumnKind::Other);
+        let wanted: Vec<&str> = wanted.map(|(name, _)| name.as_str()).collect();
         if wanted.is_empty() {
             return Err(source.fault(Place::Whole, "no column of numbers", "a table of readings"));
         }
         let batch = Reader::parquet(bytes(), &source.shown, Some(&wanted))?.next().transpose()?;
         let values = batch.map_or_else(|| vec![Vec::new(); wanted.len()], |batch| batch.columns);
-        let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
-        let cells = values.iter().map(|column| column.iter().take(ROWS).map(cell).collect()).collect();
+        let cells = values.iter().map(|column| first_cells(column)).collect();
         let names: Vec<String> = wanted.iter().map(|name| name.to_string()).collect();
-        let mut sample = Self::new(
-            Notation::usual(),
-            names.iter().cloned().map(SourceColumn::Name).collect(),
-            names,
-            cells,
-        );
+        let mut sample = Self::new(Notation::default(), by_name(&names), names, cells);
         for (kind, name) in sample.kinds.iter_mut().zip(&sample.names) {
             if columns.iter().any(|(known, kind)| known == name && *kind == ColumnKind::Time) {
                 *kind = Cells::Moments;
@@ -169,10 +155,19 @@ impl Sample {
         Ok(sample)
     }
 
-    /// A column's numbers.
     pub fn numbers(&self, column: usize) -> Vec<f64> {
         self.cells[column].iter().filter_map(|cell| self.notation.number(cell)).collect()
     }
+}
+
+fn by_name(names: &[String]) -> Vec<SourceColumn> {
+    names.iter().cloned().map(SourceColumn::Name).collect()
+}
+
+/// The first of these numbers as text.
+fn first_cells(values: &[f64]) -> Vec<String> {
+    let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
+    values.iter().take(ROWS).map(cell).collect()
 }
 
 fn kind(cells: &[String], notation: &Notation) -> Cells {

@@ -1,95 +1,49 @@
 //! Names that loggers give to temperatures.
 
+use super::names::is_among;
+
 /// Whose temperature it is, by words in a name of letters and digits in lower case; the first that fits.
-const WHOSE: [(&str, &[&str]); 4] = [
-    (
-        "electronics",
-        &[
-            "elec",
-            "electronics",
-            "electronic",
-            "board",
-            "box",
-            "pcb",
-            "cpu",
-            "logger",
-            "console",
-            "local",
-            "adc",
-        ],
-    ),
-    ("outside", &["outside", "outdoor", "air", "ambient", "env", "environment"]),
-    ("coil", &["coil", "coils"]),
-    ("sensor", &["sensor", "sens", "sen", "head", "mag", "magnetometer", "fluxgate", "probe", "remote"]),
+const WHOSE: [(&str, &str); 4] = [
+    ("electronics", "elec electronics electronic board box pcb cpu logger console local adc"),
+    ("outside", "outside outdoor air ambient env environment"),
+    ("coil", "coil coils"),
+    ("sensor", "sensor sens sen head mag magnetometer fluxgate probe remote"),
 ];
 /// What stands for a temperature beside such a word, or alone.
-const STEMS: [&str; 12] = [
-    "temperature",
-    "temp",
-    "tmp",
-    "tmpr",
-    "thermistor",
-    "therm",
-    "ntc",
-    "rtd",
-    "pt100",
-    "pt1000",
-    "ds18b20",
-    "tmp102",
-];
+const STEMS: &str = "temperature temp tmp tmpr thermistor therm ntc rtd pt100 pt1000 ds18b20 tmp102";
 /// Names that say nothing of temperature but are one in some logger: LEMI's, Narod's and Magson's tables,
 /// MagPy's keys, HamSCI's RM3100 board.
-const SHORT: [(&str, &str); 16] = [
-    ("tf", "sensor"),
-    ("ts", "sensor"),
-    ("tsen", "sensor"),
-    ("tsens", "sensor"),
-    ("tsensor", "sensor"),
-    ("thead", "sensor"),
-    ("rt", "sensor"),
-    ("te", "electronics"),
-    ("tel", "electronics"),
-    ("telec", "electronics"),
-    ("telectronics", "electronics"),
-    ("tbox", "electronics"),
-    ("lt", "electronics"),
-    ("tair", "outside"),
-    ("tout", "outside"),
-    ("tamb", "outside"),
+const SHORT: [(&str, &str); 3] = [
+    ("sensor", "tf ts tsen tsens tsensor thead rt"),
+    ("electronics", "te tel telec telectronics tbox lt"),
+    ("outside", "tair tout tamb"),
 ];
 
 /// The document's column for a temperature of that name; `in_degrees`: its unit is one of temperature.
 pub fn column(base: &str, in_degrees: bool) -> Option<String> {
     let words = words(base);
     let plain: String = words.concat();
-    if let Some((_, whose)) = SHORT.iter().find(|(name, _)| *name == plain) {
+    if let Some((whose, _)) = SHORT.iter().find(|(_, names)| is_among(&plain, names)) {
         // `ts` may be a time as well: that is for its unit to say.
         return (in_degrees || plain != "ts").then(|| format!("{whose}_temperature_c"));
     }
-    let word_is = |word: &str, stem: &str| {
-        word == stem || word.trim_end_matches(|letter: char| letter.is_ascii_digit()) == stem
+    let named = |word: &str| WHOSE.iter().find(|(_, known)| is_among(word, known)).map(|(whose, _)| *whose);
+    let is_temperature = |word: &String| {
+        let stem = word.trim_end_matches(|letter: char| letter.is_ascii_digit());
+        let is = |known: &str| is_among(word, known) || is_among(stem, known);
+        is(STEMS) || in_degrees && is("t")
     };
     // What is left of the name says whose it is: of words, the others; of one word such as `boxtemp`, the
     // rest of it.
-    let at = words
-        .iter()
-        .position(|word| STEMS.iter().any(|stem| word_is(word, stem)) || in_degrees && word_is(word, "t"));
-    let rest = match at {
-        Some(at) => words
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| *index != at)
-            .map(|(_, word)| word.as_str())
-            .collect::<Vec<_>>()
-            .join("_"),
+    let rest = match words.iter().position(is_temperature) {
+        Some(at) => [&words[..at], &words[at + 1..]].concat().join("_"),
         None => {
-            let rest = STEMS
-                .iter()
-                .find_map(|stem| plain.strip_suffix(stem).or_else(|| plain.strip_prefix(stem)))?;
-            WHOSE.iter().any(|(_, known)| known.contains(&rest)).then(|| rest.to_string())?
+            let mut stems = STEMS.split(' ');
+            let rest =
+                stems.find_map(|stem| plain.strip_suffix(stem).or_else(|| plain.strip_prefix(stem)))?;
+            named(rest).is_some().then(|| rest.to_string())?
         }
     };
-    let named = |word: &str| WHOSE.iter().find(|(_, known)| known.contains(&word)).map(|(whose, _)| *whose);
     let whose = match rest.as_str() {
         "" => "sensor",
         rest => rest.split('_').find_map(named).unwrap_or(rest),

@@ -3,6 +3,7 @@
 use jiff::fmt::strtime::{self, BrokenDownTime};
 
 use super::content;
+use super::names::{is_among, plain};
 use super::open::Guess;
 use super::sample::{Cells, Sample};
 use crate::mapping::TimeMapping;
@@ -15,30 +16,16 @@ const TIMES: [&str; 5] = ["%H:%M:%S%.f", "%H:%M", "%H%M%S", "%I:%M:%S %p", "%I:%
 /// Dates as they stand in names of files.
 const IN_NAMES: [&str; 5] = ["%Y-%m-%d", "%Y_%m_%d", "%Y%m%d", "%b%d%y", "%d%m%Y"];
 /// Names of columns that hold a time, as letters and digits in lower case.
-const NAMES: [&str; 19] = [
-    "time",
-    "t",
-    "ts",
-    "timestamp",
-    "datetime",
-    "date",
-    "utc",
-    "epoch",
-    "unix",
-    "unixs",
-    "unixtime",
-    "times",
-    "seconds",
-    "secondselapsed",
-    "elapsed",
-    "sec",
-    "millis",
-    "timems",
-    "timens",
+const NAMES: &str = "time t ts timestamp datetime date utc epoch unix unixs unixtime times seconds secondselapsed elapsed \
+                     sec millis timems timens";
+const YEAR: &str = "year yyyy";
+const DAY_OF_YEAR: &str = "doy dayofyear yday";
+/// Names of columns that count from midnight, by how.
+const SINCE_MIDNIGHT: [(&str, &str); 3] = [
+    ("seconds_of_day", "sod secofday secondofday secondsofday secday secondssincemidnight"),
+    ("milliseconds_of_day", "msofday millisofday"),
+    ("hours_of_day", "hourofday"),
 ];
-
-const YEAR: [&str; 2] = ["year", "yyyy"];
-const DAY_OF_YEAR: [&str; 3] = ["doy", "dayofyear", "yday"];
 
 /// Guesses the time; gives the columns that it takes.
 pub fn guess(sample: &Sample, file_name: &str, guess: &mut Guess) -> Vec<usize> {
@@ -52,7 +39,7 @@ pub fn guess(sample: &Sample, file_name: &str, guess: &mut Guess) -> Vec<usize> 
     }
     let unread = columns_of(sample, Cells::Text).find(|column| {
         let name = plain(&sample.names[*column]);
-        NAMES.contains(&name.as_str()) || name.contains("time") || name.contains("date")
+        is_among(&name, NAMES) || name.contains("time") || name.contains("date")
     });
     match unread {
         Some(column) => guess.doubts.push(format!("how the times in {:?} are written", sample.names[column])),
@@ -82,6 +69,23 @@ fn columns_of(sample: &Sample, kind: Cells) -> impl Iterator<Item = usize> {
     (0..sample.kinds.len()).filter(move |column| sample.kinds[*column] == kind)
 }
 
+/// The first column with one of these names.
+fn named(sample: &Sample, names: &str) -> Option<usize> {
+    sample.names.iter().position(|name| is_among(&plain(name), names))
+}
+
+fn year_and_day(sample: &Sample) -> Option<[usize; 2]> {
+    Some([named(sample, YEAR)?, named(sample, DAY_OF_YEAR)?])
+}
+
+/// The first column of text, or of a name that speaks of a date, with dates.
+fn dates(sample: &Sample) -> Option<usize> {
+    let may = |column: &usize| {
+        sample.kinds[*column] != Cells::Numbers || plain(&sample.names[*column]).contains("date")
+    };
+    (0..sample.kinds.len()).filter(may).find(|column| !fitting(&sample.cells[*column], &DATES).is_empty())
+}
+
 fn there(sample: &Sample, column: usize) -> impl Iterator<Item = &str> {
     sample.cells[column].iter().map(|cell| cell.trim()).filter(|cell| !cell.is_empty())
 }
@@ -102,12 +106,12 @@ fn moment(sample: &Sample, _: &str, _: &mut Guess) -> GuessedTime {
 }
 
 /// Patterns that most cells fit.
-fn fitting(cells: &[String], patterns: &[String]) -> Vec<String> {
+fn fitting<P: AsRef<str> + ToString>(cells: &[String], patterns: &[P]) -> Vec<String> {
     let there: Vec<&str> = cells.iter().map(|cell| cell.trim()).filter(|cell| !cell.is_empty()).collect();
-    let fits = |pattern: &String| {
-        2 * there.iter().filter(|cell| strtime::parse(pattern, cell).is_ok()).count() > there.len()
+    let fits = |pattern: &&P| {
+        2 * there.iter().filter(|cell| strtime::parse(pattern.as_ref(), cell).is_ok()).count() > there.len()
     };
-    patterns.iter().filter(|pattern| fits(pattern)).cloned().collect()
+    patterns.iter().filter(fits).map(P::to_string).collect()
 }
 
 /// One of the patterns, `?` with a doubt where a day cannot be told from a month.
@@ -147,7 +151,7 @@ fn number(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let nameless = sample.names.iter().all(String::is_empty);
     let named = |column: &usize| {
         let name = plain(&sample.names[*column]);
-        NAMES.contains(&name.as_str()) || name.starts_with("unix") || (nameless && *column == 0)
+        is_among(&name, NAMES) || name.starts_with("unix") || (nameless && *column == 0)
     };
     let format = |column: usize| {
         let values = sample.numbers(column);
@@ -172,24 +176,11 @@ fn number(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     Some((vec![column], of(format)))
 }
 
-/// Names of columns that count from midnight.
-const SINCE_MIDNIGHT: [(&str, &str); 9] = [
-    ("sod", "seconds_of_day"),
-    ("secofday", "seconds_of_day"),
-    ("secondofday", "seconds_of_day"),
-    ("secondsofday", "seconds_of_day"),
-    ("secday", "seconds_of_day"),
-    ("secondssincemidnight", "seconds_of_day"),
-    ("msofday", "milliseconds_of_day"),
-    ("millisofday", "milliseconds_of_day"),
-    ("hourofday", "hours_of_day"),
-];
-
 /// A number since midnight, with the day in another column or in the file's name.
 fn since_midnight(sample: &Sample, file_name: &str, guess: &mut Guess) -> GuessedTime {
     let (column, format) = columns_of(sample, Cells::Numbers).find_map(|column| {
         let name = plain(&sample.names[column]);
-        let (_, format) = SINCE_MIDNIGHT.iter().find(|(known, _)| *known == name)?;
+        let (format, _) = SINCE_MIDNIGHT.iter().find(|(_, names)| is_among(&name, names))?;
         Some((column, *format))
     })?;
     let (columns, mapping) = match day(sample, guess) {
@@ -205,17 +196,11 @@ fn since_midnight(sample: &Sample, file_name: &str, guess: &mut Guess) -> Guesse
 
 /// The columns of the date and its pattern: a date, or year and day of the year.
 fn day(sample: &Sample, guess: &mut Guess) -> Option<(Vec<usize>, String)> {
-    let named = |wanted: &[&str]| sample.names.iter().position(|name| wanted.contains(&plain(name).as_str()));
-    if let (Some(year), Some(day)) = (named(&YEAR), named(&DAY_OF_YEAR)) {
-        return Some((vec![year, day], "%Y %j".into()));
+    if let Some(columns) = year_and_day(sample) {
+        return Some((columns.into(), "%Y %j".into()));
     }
-    let patterns: Vec<String> = DATES.iter().map(|pattern| pattern.to_string()).collect();
-    let date = (0..sample.kinds.len())
-        .filter(|column| {
-            sample.kinds[*column] != Cells::Numbers || plain(&sample.names[*column]).contains("date")
-        })
-        .find(|column| !fitting(&sample.cells[*column], &patterns).is_empty())?;
-    Some((vec![date], chosen(fitting(&sample.cells[date], &patterns), &sample.names[date], guess)?))
+    let date = dates(sample)?;
+    Some((vec![date], chosen(fitting(&sample.cells[date], &DATES), &sample.names[date], guess)?))
 }
 
 /// Numbers that rise evenly, whatever their column is called.
@@ -235,52 +220,34 @@ fn by_content(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
 
 /// A date and a time of day in columns of their own, or year and day of the year.
 fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
-    let patterns = |all: &[&str]| all.iter().map(|pattern| pattern.to_string()).collect::<Vec<_>>();
-    let named = |wanted: &[&str]| {
-        (0..sample.names.len()).find(|column| wanted.contains(&plain(&sample.names[*column]).as_str()))
-    };
-    if let (Some(year), Some(day)) = (named(&YEAR), named(&DAY_OF_YEAR)) {
-        let decimals = there(sample, day).any(|cell| cell.contains(sample.notation.decimal));
-        let time = columns_of(sample, Cells::Text)
-            .find(|column| !fitting(&sample.cells[*column], &patterns(&TIMES)).is_empty());
-        let found = match time.filter(|_| !decimals) {
+    let clock = |column: usize| fitting(&sample.cells[column], &TIMES).into_iter().next();
+    if let Some([year, day]) = year_and_day(sample) {
+        let decimals = there(sample, day).any(|cell| cell.contains(sample.notation.mapping.decimal));
+        let time = columns_of(sample, Cells::Text).find_map(|column| Some((column, clock(column)?)));
+        let (columns, mapping) = match time.filter(|_| !decimals) {
             None => (vec![year, day], of("day_of_year")),
-            Some(time) => {
-                let pattern = fitting(&sample.cells[time], &patterns(&TIMES)).swap_remove(0);
-                (vec![year, day, time], of(&format!("%Y %j {pattern}")))
-            }
+            Some((time, pattern)) => (vec![year, day, time], of(&format!("%Y %j {pattern}"))),
         };
-        return Some((found.0, without_zone(sample, year, found.1, guess)));
+        return Some((columns, without_zone(sample, year, mapping, guess)));
     }
-    let dates = |column: &usize| !fitting(&sample.cells[*column], &patterns(&DATES)).is_empty();
-    let date = (0..sample.kinds.len())
-        .filter(|column| {
-            sample.kinds[*column] != Cells::Numbers || plain(&sample.names[*column]).contains("date")
-        })
-        .find(dates)?;
-    let time = (0..sample.kinds.len())
-        .filter(|column| {
-            *column != date
-                && (sample.kinds[*column] == Cells::Text || plain(&sample.names[*column]).contains("time"))
-        })
-        .find(|column| !fitting(&sample.cells[*column], &patterns(&TIMES)).is_empty())?;
-    let clock = fitting(&sample.cells[time], &patterns(&TIMES)).swap_remove(0);
-    let date_pattern = chosen(fitting(&sample.cells[date], &patterns(&DATES)), &sample.names[date], guess)?;
+    let date = dates(sample)?;
+    let may = |column: &usize| {
+        let named = || plain(&sample.names[*column]).contains("time");
+        *column != date && (sample.kinds[*column] == Cells::Text || named())
+    };
+    let mut times = (0..sample.kinds.len()).filter(may);
+    let (time, clock) = times.find_map(|column| Some((column, clock(column)?)))?;
+    let date_pattern = chosen(fitting(&sample.cells[date], &DATES), &sample.names[date], guess)?;
     let pattern = if date_pattern == "?" { date_pattern } else { format!("{date_pattern} {clock}") };
     Some((vec![date, time], without_zone(sample, date, of(&pattern), guess)))
 }
 
 /// The time of day alone; the date must be in the file's name.
 fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> GuessedTime {
-    let times = TIMES.map(str::to_string);
-    let column =
-        columns_of(sample, Cells::Text).find(|column| !fitting(&sample.cells[*column], &times).is_empty());
-    let named = |wanted: &[&str]| sample.names.iter().position(|name| wanted.contains(&plain(name).as_str()));
-    let (columns, pattern) = match (column, named(&["hh", "hour", "h"]), named(&["mm", "minute", "min"])) {
-        (Some(column), ..) => (vec![column], fitting(&sample.cells[column], &times).swap_remove(0)),
-        (None, Some(hour), Some(minute)) => (vec![hour, minute], "%H %M".into()),
-        _ => return None,
-    };
+    let clock = |column: usize| fitting(&sample.cells[column], &TIMES).into_iter().next();
+    let one = columns_of(sample, Cells::Text).find_map(|column| Some((vec![column], clock(column)?)));
+    let two = || Some((vec![named(sample, "hh hour h")?, named(sample, "mm minute min")?], "%H %M".into()));
+    let (columns, pattern) = one.or_else(two)?;
     let mapping = TimeMapping { date_in_name: in_name(file_name, guess), ..of(&pattern) };
     let mapping = without_zone(sample, columns[0], mapping, guess);
     Some((columns, mapping))
@@ -303,9 +270,4 @@ fn in_name(file_name: &str, guess: &mut Guess) -> Option<String> {
         );
     }
     in_name.map(str::to_string)
-}
-
-/// Letters and digits in lower case.
-pub fn plain(name: &str) -> String {
-    name.chars().filter(|letter| letter.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }

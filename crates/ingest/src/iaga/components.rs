@@ -5,9 +5,49 @@
 //! axes of the sensor and are left as they are.
 
 use indexmap::IndexMap;
+use tables::Place;
 
+use crate::piece::Piece;
+use crate::text::Source;
+use crate::{Error, Options};
+
+/// What may be a component: X, Y, Z, H, D, I, E and F as usual; S scalar, G = |vector| − scalar, U, V and W
+/// sensor axes.
+pub const LETTERS: &str = "XYZHDIEFSGUVW";
 /// Radians of a minute of arc.
 const ARCMIN: f64 = std::f64::consts::PI / 10_800.0;
+
+/// The component of which a name is the letter.
+pub fn letter(name: &str) -> Option<char> {
+    let mut letters = name.chars();
+    letters.next().filter(|letter| LETTERS.contains(*letter) && letters.next().is_none())
+}
+
+/// Puts components into a piece that has its rows: columns of the document, and in the header what was done.
+///
+/// # Errors
+///
+/// No row, or nothing but missing values.
+pub fn put(
+    piece: &mut Piece,
+    source: &Source,
+    (letters, columns): (&[char], Vec<Vec<f64>>),
+    base_arcmin: Option<f64>,
+    options: &Options,
+) -> Result<(), Error> {
+    if piece.lines.is_empty() {
+        return Err(source.no_row());
+    }
+    let converted = convert(letters, columns, base_arcmin, &options.quantity);
+    if converted.columns.is_empty() {
+        let expected = "a reading in one row at least";
+        return Err(source.fault(Place::Whole, "nothing but missing values", expected));
+    }
+    piece.columns = converted.columns;
+    piece.header.insert("components".into(), letters.iter().collect::<String>().into());
+    piece.header.extend(converted.words.map(|words| ("converted".to_string(), words.into())));
+    Ok(())
+}
 
 /// Columns of the document, and what was done in words.
 pub struct Converted {
@@ -24,14 +64,17 @@ struct Components<'a> {
 }
 
 impl Components<'_> {
+    fn place(&self, letter: char) -> Option<usize> {
+        self.letters.iter().position(|known| *known == letter)
+    }
+
     fn get(&self, letter: char) -> Option<&[f64]> {
-        let index = self.letters.iter().position(|known| *known == letter)?;
-        self.columns[index].as_deref()
+        self.columns[self.place(letter)?].as_deref()
     }
 
     fn take(&mut self, letter: char) -> Option<Vec<f64>> {
-        let index = self.letters.iter().position(|known| *known == letter)?;
-        self.columns[index].take()
+        let place = self.place(letter)?;
+        self.columns[place].take()
     }
 }
 
@@ -169,20 +212,15 @@ mod tests {
 
     #[test]
     fn what_cannot_be_converted_is_kept() {
-        let of = |letters: &str| {
+        let of = |letters: &str| -> Vec<(String, f64)> {
             let letters: Vec<char> = letters.chars().collect();
             let columns = letters.iter().map(|_| vec![60.0]).collect();
-            convert(&letters, columns, None, "test")
-                .columns
-                .into_iter()
-                .map(|(name, v)| (name, v[0]))
-                .collect::<Vec<_>>()
+            let columns = convert(&letters, columns, None, "test").columns.into_iter();
+            columns.map(|(name, values)| (name, values[0])).collect()
         };
         assert_eq!(of("DZ"), [("test_z_nt".to_string(), 60.0), ("declination_deg".to_string(), 1.0)]);
-        assert_eq!(
-            of("HEZF").iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(),
-            ["test_x_nt", "test_y_nt", "test_z_nt", "reference_nt"]
-        );
+        let names: Vec<String> = of("HEZF").into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, ["test_x_nt", "test_y_nt", "test_z_nt", "reference_nt"]);
         assert_eq!(of("HZ")[1].0, "h_nt");
     }
 }

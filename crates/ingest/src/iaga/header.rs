@@ -5,13 +5,10 @@ use common::Extra;
 use serde_json::Value;
 use tables::Place;
 
+use super::components::LETTERS;
 use crate::Error;
 use crate::text::{Source, decoded, lines};
 
-/// What may be a component: X, Y, Z, H, D, I, E and F as usual; S scalar, G = |vector| − scalar, U, V and W
-/// sensor axes.
-const LETTERS: &str = "XYZHDIEFSGUVW";
-/// Labels as the format writes them.
 const LABELS: [&str; 13] = [
     "Format",
     "Source of Data",
@@ -30,7 +27,6 @@ const LABELS: [&str; 13] = [
 /// Records before the titles that are read at most.
 const MOST: u32 = 100_000;
 
-/// What the header says.
 pub struct Header {
     /// The station's code; None where it is blank.
     pub station: Option<String>,
@@ -85,11 +81,9 @@ impl Header {
 
     /// The rows' part of the file.
     pub fn data<'a>(&self, source: &'a Source) -> &'a [u8] {
-        let ends = memchr::memchr_iter(b'\n', &source.bytes);
-        ends.skip(self.titles_line as usize - 1)
-            .map(|end| &source.bytes[end + 1..])
-            .next()
-            .unwrap_or_default()
+        let mut ends = memchr::memchr_iter(b'\n', &source.bytes);
+        let end = ends.nth(self.titles_line as usize - 1);
+        end.map_or(&[], |end| &source.bytes[end + 1..])
     }
 
     /// The letters of the components, as titles and the record `Reported` say alike. What `Sensor
@@ -122,11 +116,8 @@ impl Header {
         if let Some(reported) = reported.filter(|reported| !reported.chars().eq(letters.iter().copied())) {
             let titles: String = letters.iter().collect();
             if !trust_rows {
-                let line = self
-                    .records
-                    .iter()
-                    .find(|(_, label, _)| label == "Reported")
-                    .map_or(0, |record| record.0);
+                let record = self.records.iter().find(|(_, label, _)| label == "Reported");
+                let line = record.map_or(0, |record| record.0);
                 return Err(source.fault(
                     Place::Line(line.into()),
                     format!("the components {reported} where the titles of the columns say {titles}"),
@@ -174,10 +165,8 @@ impl Header {
 fn record(text: &str) -> (String, String) {
     let lower = text.to_ascii_lowercase();
     if let Some(label) = LABELS.iter().find(|label| lower.starts_with(&label.to_ascii_lowercase())) {
-        return (
-            label.to_string(),
-            text[label.len()..].trim_start_matches([' ', ':', '\t']).trim().to_string(),
-        );
+        let content = text[label.len()..].trim_start_matches([' ', ':', '\t']).trim();
+        return (label.to_string(), content.to_string());
     }
     let (label, content) = text.split_once("  ").unwrap_or((text, ""));
     (label.trim().to_string(), content.trim().to_string())

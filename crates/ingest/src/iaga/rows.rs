@@ -83,12 +83,8 @@ impl Parser<'_> {
             && of_year != &day.of_year_text[3 - of_year.len().clamp(1, 3)..]
             && !day.is(of_year)
         {
-            let found = format!(
-                "{} where {} is day {}",
-                quoted(of_year),
-                String::from_utf8_lossy(&day.text),
-                day.of_year
-            );
+            let date = String::from_utf8_lossy(&day.text);
+            let found = format!("{} where {date} is day {}", quoted(of_year), day.of_year);
             let expected =
                 "the day of the year that the date is; where DATE is right, --trust-rows passes over DOY";
             return fault(Some((3, "DOY")), found, expected.into());
@@ -115,11 +111,8 @@ impl Parser<'_> {
         }
         if !rest.trim_ascii().is_empty() {
             let found = format!("{} after the last value", quoted(rest.trim_ascii()));
-            return fault(
-                None,
-                found,
-                format!("{}, one for each title", counted(self.titles.len(), "value")),
-            );
+            let expected = format!("{}, one for each title", counted(self.titles.len(), "value"));
+            return fault(None, found, expected);
         }
         room.end_row(day.start_ns + time_ns, line);
         Ok(())
@@ -137,12 +130,8 @@ impl Parser<'_> {
             let found = format!("a last line that breaks off at {}", quoted(cut));
             let expected =
                 format!("{} as on the lines before; was the file cut?", counted(before.len(), "character"));
-            return Err(RowFault {
-                line: rows.lines.last().copied().unwrap_or(0),
-                column: None,
-                found,
-                expected,
-            });
+            let line = rows.lines.last().copied().unwrap_or(0);
+            return Err(RowFault { line, column: None, found, expected });
         }
         Ok(())
     }

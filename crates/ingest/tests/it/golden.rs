@@ -11,14 +11,9 @@ fn of(files: &[&str], options: Options) -> Document {
     run(document, &files, &options).unwrap_or_else(|error| panic!("{files:?}: {error}")).document
 }
 
-fn mapped() -> Options {
-    let mapping = Mapping::parse(&testkit::read_fixture("ingest/counts-map.json")).expect("a mapping");
-    Options { mapping: Some(mapping), ..Options::default() }
-}
-
-fn codes() -> Options {
-    let mapping = Mapping::parse(&testkit::read_fixture("ingest/codes-map.json")).expect("a mapping");
-    Options { mapping: Some(mapping), ..Options::default() }
+fn mapped(by: &str) -> Options {
+    let mapping = testkit::read_fixture(&format!("ingest/{by}-map.json"));
+    Options { mapping: Some(Mapping::parse(&mapping).expect("a mapping")), ..Options::default() }
 }
 
 fn outside() -> Options {
@@ -38,11 +33,11 @@ fn golden() {
     case("horizontal", &["flx20240310v.min"], outside());
     case("half-seconds", &["lemi.sec"], Options::default());
     case("logger", &["logger.csv"], Options::default());
-    case("counts", &["counts.txt"], mapped());
+    case("counts", &["counts.txt"], mapped("counts"));
     case("ndjson", &["field.ndjson"], Options::default());
     case("parquet", &["field.parquet"], Options::default());
     case("spreadsheet", &["spreadsheet.csv"], Options::default());
-    case("codes", &["codes.csv"], codes());
+    case("codes", &["codes.csv"], mapped("codes"));
     case("imagcdf", &["imagcdf.cdf"], Options::default());
     case("imagcdf-hdz", &["imagcdf-hdz.cdf"], Options::default());
     case("mission", &["mission.cdf"], Options::default());
@@ -101,13 +96,13 @@ fn the_field_comes_back() {
     assert_eq!(against(&of(&["usgs.json"], Options::default()), sensor, 60.0, 1e-8), 4 * 20 - 1);
     // Single precision.
     assert_eq!(against(&of(&["mission.cdf"], Options::default()), sensor, 0.25, 0.002), 3 * 40 - 1);
-    let codes = of(&["codes.csv"], codes());
+    let codes = of(&["codes.csv"], mapped("codes"));
     assert_eq!(against(&codes, sensor, 1.0, 0.005_000_001), 3 * 20 - 1);
     assert_eq!(codes.recordings[0].start.as_deref(), Some("2025-03-14T23:59:50Z"));
     let temperature = codes.recordings[0].column("sensor_temperature_c").expect("a temperature");
     assert!(temperature[5].is_nan() && temperature.iter().filter(|value| **value == 21.5).count() == 19);
     // Half a count of 13.5 nT; z is 20 000 nT above what was recorded.
-    let counts = of(&["counts.txt"], mapped());
+    let counts = of(&["counts.txt"], mapped("counts"));
     assert_eq!(counts.recordings[0].column("sensor_z_nt").expect("z")[0], 3244.0 * 13.5 + 20_000.0);
     assert_eq!(counts.recordings[0].column("sensor_x_nt").expect("x")[0], 1548.0 * 13.5);
     assert!(counts.recordings[0].column("sensor_y_nt").expect("y")[3].is_nan());
@@ -118,20 +113,14 @@ fn the_field_comes_back() {
 fn as_magpy_reads_its_own() {
     let expected: serde_json::Value =
         serde_json::from_str(&testkit::read_fixture("reference/ingest/magpy.json")).expect("JSON");
-    let names = [
-        ("x", "sensor_x_nt"),
-        ("y", "sensor_y_nt"),
-        ("z", "sensor_z_nt"),
-        ("f", "reference_nt"),
-        ("t1", "sensor_temperature_c"),
-    ];
+    let names = ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt", "sensor_temperature_c"];
     let mut count = 0;
     for (file, columns) in expected["files"].as_object().expect("files") {
         let document = of(&[file], Options::default());
         let recording = &document.recordings[0];
         assert_eq!(recording.start.as_deref(), Some("2024-11-01T00:00:00Z"), "{file}");
         // Keys of PYASCII are MagPy's in the order of the columns, not the names that the file states.
-        for (values, (_, name)) in columns.as_object().expect("columns").values().zip(names) {
+        for (values, name) in columns.as_object().expect("columns").values().zip(names) {
             let values = values.as_array().expect("values");
             let found = recording.column(name).unwrap_or_else(|| panic!("{file}: {name}"));
             assert_eq!(found.len(), values.len(), "{file}");

@@ -3,9 +3,8 @@
 
 use serde_json::Value;
 use std::fs;
-use std::path::Path;
 use std::process::Command;
-use testkit::run;
+use testkit::{run, run_in};
 
 const INGEST: &str = env!("CARGO_BIN_EXE_ingest");
 
@@ -17,15 +16,13 @@ fn document(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
-/// What is said and written of a text file; the code must be 0.
-fn ingested(name: &str, bytes: &[u8], arguments: &[&str]) -> (String, Value) {
+/// What is said of a text file, and the columns that are written; the code must be 0.
+fn ingested(bytes: &[u8]) -> (String, Value) {
     let folder = tempfile::tempdir().expect("a folder");
-    fs::write(folder.path().join(name), bytes).expect("written");
-    let output =
-        Command::new(INGEST).args(arguments).arg(name).current_dir(folder.path()).output().expect("ingest");
-    let said = String::from_utf8(output.stderr).expect("UTF-8");
-    assert!(output.status.success(), "{said}");
-    (said, document(&String::from_utf8(output.stdout).expect("UTF-8")))
+    fs::write(folder.path().join("a.csv"), bytes).expect("written");
+    let run = run_in(INGEST, folder.path(), &["a.csv"]);
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    (run.stderr, document(&run.stdout)["recordings"][0]["columns"].clone())
 }
 
 #[test]
@@ -34,18 +31,14 @@ fn a_recording_is_added_and_the_rest_kept() {
     let taken = run(INGEST, &["--add", "-", &fixture("lemi.sec")], first);
     assert_eq!(taken.code, 0, "{}", taken.stderr);
     let found = document(&taken.stdout);
-    assert_eq!(
-        (found["weather"].as_str(), found["recordings"].as_array().map(Vec::len)),
-        (Some("dry"), Some(2))
-    );
+    let recordings = found["recordings"].as_array().map(Vec::len);
+    assert_eq!((found["weather"].as_str(), recordings), (Some("dry"), Some(2)));
     assert_eq!(found["history"][0]["stage"], "ingest");
     let twice = run(INGEST, &["--add", "-", &fixture("flx20240310a.min")], first);
     assert_eq!((twice.code, twice.stdout.as_str()), (2, ""));
     assert!(twice.stderr.contains("--id"), "{}", twice.stderr);
-    assert_eq!(
-        run(INGEST, &["-q", "--id", "b", "--add", "-", &fixture("flx20240310a.min")], first).stderr,
-        ""
-    );
+    let named = run(INGEST, &["-q", "--id", "b", "--add", "-", &fixture("flx20240310a.min")], first);
+    assert_eq!(named.stderr, "");
 }
 
 #[test]
@@ -75,27 +68,21 @@ fn a_long_series_goes_beside_its_document() {
     fs::write(folder.path().join("long.csv"), format!("time_s,sensor_x_nt\n{rows}")).expect("written");
     fs::create_dir(folder.path().join("campaign")).expect("a folder");
     let of = |arguments: &[&str]| {
-        let output =
-            Command::new(INGEST).args(arguments).current_dir(folder.path()).output().expect("ingest");
-        assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-        String::from_utf8(output.stdout).expect("UTF-8")
+        let run = run_in(INGEST, folder.path(), arguments);
+        assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
+        run.stdout
     };
     assert_eq!(of(&["-o", "campaign/out.json", "long.csv"]), "");
     let found = document(&fs::read_to_string(folder.path().join("campaign/out.json")).expect("a document"));
-    assert_eq!(
-        (&found["recordings"][0]["table"], found["recordings"][0].get("columns")),
-        (&Value::from("long.parquet"), None)
-    );
+    assert_eq!(found["recordings"][0]["table"], "long.parquet");
+    assert_eq!(found["recordings"][0].get("columns"), None);
     let table = tables::beside(&folder.path().join("campaign"), "long.parquet").expect("a path");
     let rows: usize =
         tables::Reader::open(&table, None).expect("a table").map(|batch| batch.expect("rows").rows()).sum();
     assert_eq!(rows, 10_001);
-    assert_eq!(
-        document(&of(&["--beside=readings.csv", "long.csv"]))["recordings"][0]["table"],
-        "readings.csv"
-    );
-    let csv =
-        fs::read_to_string(folder.path().join("readings.csv")).expect("beside the standard output's folder");
+    let beside = document(&of(&["--beside=readings.csv", "long.csv"]));
+    assert_eq!(beside["recordings"][0]["table"], "readings.csv");
+    let csv = fs::read_to_string(folder.path().join("readings.csv")).expect("in the present folder");
     assert!(csv.starts_with("time_s,sensor_x_nt\n0.0,0.5\n"), "{}", &csv[..40]);
     let inline = document(&of(&["--inline", "long.csv"]));
     assert_eq!(inline["recordings"][0]["columns"]["sensor_x_nt"].as_array().map(Vec::len), Some(10_001));
@@ -106,20 +93,16 @@ fn a_table_that_cannot_be_written_leaves_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir_all(folder.path().join("t.parquet/within")).expect("a folder");
     let arguments = ["--beside=t.parquet", "-o", "out.json", &fixture("lemi.sec")];
-    let output = Command::new(INGEST).args(arguments).current_dir(folder.path()).output().expect("ingest");
-    assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0));
-    let left: Vec<_> = fs::read_dir(folder.path())
-        .expect("readable")
-        .map(|entry| entry.expect("an entry").file_name())
-        .collect();
-    assert_eq!(left, ["t.parquet"]);
+    let run = run_in(INGEST, folder.path(), &arguments);
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    let left = fs::read_dir(folder.path()).expect("readable");
+    assert_eq!(left.map(|entry| entry.expect("an entry").file_name()).collect::<Vec<_>>(), ["t.parquet"]);
 }
 
 #[test]
 fn line_ends_marks_and_old_encodings() {
     let text = "time;x (nT);T (°C)\n2024-06-10T10:00:00Z;1.5;20\n2024-06-10T10:00:01Z;2.5;21\n;;\n2024-06-10T10:00:02Z;;NaN\n";
-    let (_, plain) = ingested("a.csv", text.as_bytes(), &[]);
-    let columns = &plain["recordings"][0]["columns"];
+    let (_, columns) = ingested(text.as_bytes());
     assert_eq!(columns["x_nt"], serde_json::json!([1.5, 2.5, null]));
     assert_eq!(columns["sensor_temperature_c"], serde_json::json!([20.0, 21.0, null]));
     let mut lines = text.lines();
@@ -127,50 +110,41 @@ fn line_ends_marks_and_old_encodings() {
     for end in ["\r\n", "\n", "\r", "\r\r\n", "\n"] {
         mixed += &format!("{}{end}", lines.next().unwrap_or_default());
     }
-    assert_eq!(&ingested("a.csv", mixed.as_bytes(), &[]).1["recordings"][0]["columns"], columns);
+    assert_eq!(ingested(mixed.as_bytes()).1, columns);
     let latin: Vec<u8> =
         text.chars().map(|letter| u8::try_from(u32::from(letter)).expect("Latin-1")).collect();
-    let (said, found) = ingested("a.csv", &latin, &[]);
-    assert_eq!(&found["recordings"][0]["columns"], columns);
+    let (said, found) = ingested(&latin);
+    assert_eq!(found, columns);
     assert!(said.contains("not in UTF-8 and was read as Latin-1"), "{said}");
-    let (said, _) = ingested("a.csv", text.trim_end().as_bytes(), &[]);
+    let (said, _) = ingested(text.trim_end().as_bytes());
     assert!(said.contains("the last line has no end"), "{said}");
 }
 
 #[test]
 fn a_guess_is_saved_edited_and_used() {
     let folder = tempfile::tempdir().expect("a folder");
-    let of = |arguments: &[&str]| {
-        let output =
-            Command::new(INGEST).args(arguments).current_dir(folder.path()).output().expect("ingest");
-        (
-            output.status.code(),
-            String::from_utf8(output.stdout).expect("UTF-8"),
-            String::from_utf8(output.stderr).expect("UTF-8"),
-        )
-    };
-    let edit = |text: &str| fs::write(folder.path().join("map.json"), text).expect("written");
-    let read = |path: &Path| fs::read_to_string(path).expect("readable");
+    let of = |arguments: &[&str]| run_in(INGEST, folder.path(), arguments);
+    let map = folder.path().join("map.json");
     let logger = fixture("logger.csv");
-    let (code, map, said) = of(&["guess", &logger]);
-    assert_eq!(code, Some(0), "{said}");
-    assert!(said.contains("taken as UTC") && said.contains("nothing is open"), "{said}");
-    edit(&map.replace("\"zone\": \"UTC\"", "\"zone\": \"Europe/Vienna\""));
-    let (code, found, said) = of(&["--map", "map.json", &logger]);
-    assert_eq!(code, Some(0), "{said}");
-    assert_eq!(document(&found)["recordings"][0]["start"], "2024-06-10T10:00:00Z");
+    let guess = of(&["guess", &logger]);
+    assert!(guess.stderr.contains("taken as UTC") && guess.stderr.contains("nothing is open"), "{guess:?}");
+    let edited = guess.stdout.replace("\"zone\": \"UTC\"", "\"zone\": \"Europe/Vienna\"");
+    fs::write(&map, edited).expect("written");
+    let found = of(&["--map", "map.json", &logger]);
+    assert_eq!((guess.code, found.code), (0, 0), "{found:?}");
+    assert_eq!(document(&found.stdout)["recordings"][0]["start"], "2024-06-10T10:00:00Z");
     // A file that names no columns and states no units.
-    let (code, map, said) = of(&["guess", &fixture("counts.txt"), "-o", "map.json"]);
-    assert_eq!((code, map.as_str()), (Some(0), ""), "{said}");
-    assert!(said.contains("the file names none"), "{said}");
-    let guessed = document(&read(&folder.path().join("map.json")));
+    let guess = of(&["guess", &fixture("counts.txt"), "-o", "map.json"]);
+    assert_eq!((guess.code, guess.stdout.as_str()), (0, ""), "{guess:?}");
+    assert!(guess.stderr.contains("the file names none"), "{guess:?}");
+    let guessed = document(&fs::read_to_string(&map).expect("readable"));
     assert_eq!(
-        (&guessed["separator"], &guessed["time"]["format"]),
-        (&Value::from(" "), &Value::from("unix_ms"))
+        (guessed["separator"].as_str(), guessed["time"]["format"].as_str()),
+        (Some(" "), Some("unix_ms"))
     );
-    let (code, nothing, said) = of(&[&fixture("counts.txt")]);
-    assert_eq!((code, nothing.as_str()), (Some(2), ""));
-    assert!(said.contains("ingest guess"), "{said}");
+    let open = of(&[&fixture("counts.txt")]);
+    assert_eq!((open.code, open.stdout.as_str()), (2, ""));
+    assert!(open.stderr.contains("ingest guess"), "{open:?}");
 }
 
 /// Parquet from a pipe, which has no end to begin at, is read like the file.

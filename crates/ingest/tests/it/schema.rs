@@ -23,36 +23,26 @@ fn committed_schema_and_fixtures() {
         "the types have changed: run with BLESS=1, read the difference, commit it"
     );
 
+    let files = |folder: &str| {
+        let entries = fs::read_dir(testkit::fixture(folder)).expect("a folder");
+        entries.map(|entry| entry.expect("an entry").path()).collect::<Vec<PathBuf>>()
+    };
+    let valid = |validator: &jsonschema::Validator, path: &Path| {
+        let value = json(path);
+        let error = validator.iter_errors(&value).next().map(|error| error.to_string());
+        assert!(error.is_none(), "{}: {error:?}", path.display());
+        value
+    };
     let mappings = jsonschema::validator_for(&schema).expect("a schema");
+    let mut all = files("ingest/real");
+    all.extend(["counts", "codes"].map(|name| testkit::fixture(&format!("ingest/{name}-map.json"))));
+    assert!(all.len() > 10);
+    for path in all {
+        let mapping = ingest::Mapping::parse(&valid(&mappings, &path).to_string());
+        mapping.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    }
+    assert!(!mappings.is_valid(&json(&testkit::fixture("bad/ingest/map-key-unknown.json"))));
     let documents = jsonschema::validator_for(&common::schema::document()).expect("a schema");
-    let mut files: Vec<PathBuf> =
-        vec![testkit::fixture("ingest/counts-map.json"), testkit::fixture("ingest/codes-map.json")];
-    let real = fs::read_dir(testkit::fixture("ingest/real")).expect("mappings");
-    files.extend(real.map(|entry| entry.expect("an entry").path()));
-    assert!(files.len() > 10);
-    for path in files {
-        let mapping = json(&path);
-        assert!(
-            mappings.is_valid(&mapping),
-            "{}: {:?}",
-            path.display(),
-            mappings.iter_errors(&mapping).next()
-        );
-        ingest::Mapping::parse(&mapping.to_string())
-            .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    }
-    let bad = json(&testkit::fixture("bad/ingest/map-key-unknown.json"));
-    assert!(!mappings.is_valid(&bad));
-    for entry in fs::read_dir(testkit::fixture("ingest")).expect("cases") {
-        let path = entry.expect("an entry").path().join("expected.json");
-        if path.is_file() {
-            let document = json(&path);
-            assert!(
-                documents.is_valid(&document),
-                "{}: {:?}",
-                path.display(),
-                documents.iter_errors(&document).next()
-            );
-        }
-    }
+    let cases = files("ingest").into_iter().map(|path| path.join("expected.json"));
+    cases.filter(|path| path.is_file()).for_each(|path| drop(valid(&documents, &path)));
 }

@@ -9,18 +9,10 @@ fn document() -> String {
     let recording = |id: &str, start: &str, columns: &str| {
         format!(r#"{{"id": "{id}", "procedure": "free_run", {start} "columns": {{{columns}}}}}"#)
     };
-    let one = recording(
-        "one",
-        r#""start": "2025-03-14T00:00:00Z","#,
-        r#""time_s": [0, 1, 2], "sensor_x_nt": [1, 2, 3]"#,
-    );
-    let two = recording(
-        "two",
-        r#""start": "2025-03-15T00:00:00Z","#,
-        r#""time_s": [0, 1, 2], "sensor_x_nt": [1, 2, 3]"#,
-    );
-    let later =
-        recording("later", r#""start": "2025-03-15T00:00:00Z","#, r#""time_s": [0, 1], "test_x_nt": [1, 2]"#);
+    let (first, second) = (r#""start": "2025-03-14T00:00:00Z","#, r#""start": "2025-03-15T00:00:00Z","#);
+    let readings = r#""time_s": [0, 1, 2], "sensor_x_nt": [1, 2, 3]"#;
+    let (one, two) = (recording("one", first, readings), recording("two", second, readings));
+    let later = recording("later", second, r#""time_s": [0, 1], "test_x_nt": [1, 2]"#);
     let back = recording("back", "", r#""time_s": [0, 2, 2], "sensor_x_nt": [1, 2, 3]"#);
     let none = recording("none", "", r#""sensor_x_nt": [1, 2, 3]"#);
     format!("{{\"fluxcal\": 1, \"recordings\": [\n{}\n]}}", [one, two, later, back, none].join(",\n"))
@@ -95,16 +87,13 @@ fn tables_are_read_and_written_beside() {
     assert_eq!(short["recordings"][0].get("table"), None);
     let long = ok(&["resample", "--step", "2", "in.json"]);
     assert_eq!(long["recordings"][0]["table"], "day-resample.parquet");
-    assert!(
-        folder.path().join("day-resample.parquet").is_file()
-            && long["recordings"][0].get("columns").is_none()
-    );
+    assert_eq!(long["recordings"][0].get("columns"), None);
+    assert!(folder.path().join("day-resample.parquet").is_file());
     assert_eq!(long["history"][0]["arguments"][1], "--step=2");
     // What was read is not written over.
-    fs::copy(folder.path().join("day-resample.parquet"), folder.path().join("day-cut.parquet"))
-        .expect("copied");
-    fs::write(folder.path().join("cut.json"), document.replace("day.csv", "day-cut.parquet"))
-        .expect("written");
+    let path = |name: &str| folder.path().join(name);
+    fs::copy(path("day-resample.parquet"), path("day-cut.parquet")).expect("copied");
+    fs::write(path("cut.json"), document.replace("day.csv", "day-cut.parquet")).expect("written");
     let run = testkit::run_in(SERIES, folder.path(), &["cut", "--from", "10", "cut.json"]);
     assert!(run.code == 2 && run.stderr.contains("is also read"), "{}", run.stderr);
 }

@@ -7,7 +7,7 @@ use super::reader::Reader;
 use super::text::{self, Parse, Parsed, empty_line};
 use super::wanted::{check_wish, select};
 use crate::error::quoted;
-use crate::{Error, Place};
+use crate::{Error, Place, fault};
 
 /// What a header must be.
 const HEADER: &str = "a line of column names, cut at commas";
@@ -22,7 +22,7 @@ pub fn open(
     let mut lines = Lines::new(input, source_name);
     let (line, names) = loop {
         let Some(chunk) = lines.chunk(1)? else {
-            return Err(Error::data(source_name, Place::Whole, "no header", HEADER));
+            return Err(fault(source_name, Place::Whole, "no header", HEADER));
         };
         if !chunk.bytes.starts_with(b"#") {
             break (chunk.first_line, header(source_name, &chunk)?);
@@ -42,7 +42,7 @@ pub fn open(
 
 fn header(source_name: &str, chunk: &Chunk) -> Result<Vec<String>, Error> {
     let text = chunk.utf8(source_name)?;
-    let refused = |found: String| Err(Error::data(source_name, Place::Line(chunk.first_line), found, HEADER));
+    let refused = |found: String| Err(fault(source_name, Place::Line(chunk.first_line), found, HEADER));
     if text.matches('"').count() % 2 == 1 {
         return refused("a quote that is not closed".into());
     }
@@ -123,7 +123,7 @@ impl Csv {
         };
         let place =
             Place::Field { line: chunk.line_at(at), column: column + 1, name: self.names[column].clone() };
-        Error::data(&self.source_name, place, found, expected)
+        fault(&self.source_name, place, found, expected)
     }
 
     fn unequal(&self, chunk: &Chunk, start: usize) -> Error {
@@ -136,7 +136,7 @@ impl Csv {
             }
             fields += 1;
         }
-        Error::data(
+        fault(
             &self.source_name,
             Place::Line(chunk.line_at(start)),
             format!("{fields} value{}", if fields == 1 { "" } else { "s" }),

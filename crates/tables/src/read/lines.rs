@@ -3,7 +3,7 @@ use std::io::Read;
 use std::mem;
 use std::sync::Arc;
 
-use crate::{Error, LINE_LIMIT, Place};
+use crate::{Error, LINE_LIMIT, Place, fault};
 
 /// Bytes that are read at once.
 const BLOCK: usize = 1 << 18;
@@ -101,7 +101,7 @@ impl<R: Read> Lines<R> {
             bytes.drain(..BYTE_ORDER_MARK.len());
         }
         if begun + memchr(b'\n', &bytes[start..]).unwrap_or(bytes.len() - start) > LINE_LIMIT {
-            return Err(Error::data(
+            return Err(fault(
                 &self.source_name,
                 Place::Line(line),
                 format!("a line of more than {LINE_LIMIT} bytes"),
@@ -119,7 +119,7 @@ impl Chunk {
             let at = error.valid_up_to();
             let start = memrchr(b'\n', &self.bytes[..at]).map_or(0, |end| end + 1);
             let found = format!("byte {} of the line, which is not UTF-8", at - start + 1);
-            Error::data(source_name, Place::Line(self.line_at(at)), found, "text in UTF-8")
+            fault(source_name, Place::Line(self.line_at(at)), found, "text in UTF-8")
         })
     }
 

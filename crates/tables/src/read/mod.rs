@@ -14,7 +14,7 @@ mod text;
 mod wanted;
 
 pub use parquet::{ColumnKind, columns as parquet_columns};
-pub use reader::Reader;
+pub use reader::{BATCH_ROWS, Batch, Reader};
 
 impl Reader {
     /// Opens a file whose extension states its format; see [`Format::of`]. Only the wanted columns are
@@ -26,9 +26,9 @@ impl Reader {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] where it cannot be read, [`Error::Data`] where it does not begin as a table or lacks a
-    /// wanted column, [`Error::Request`] where nothing is wanted, or something twice, or the format is not
-    /// known. The rest of the file is judged when its batch is due.
+    /// [`Error::File`] where it cannot be read, [`Error::Request`] where it does not begin as a table or lacks a
+    /// wanted column, where nothing is wanted, or something twice, or the format is not known. The rest of the
+    /// file is judged when its batch is due.
     pub fn open(path: &Path, wanted: Option<&[&str]>) -> Result<Self, Error> {
         Self::open_as(path, Format::of(path)?, wanted)
     }

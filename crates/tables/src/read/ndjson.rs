@@ -10,7 +10,7 @@ use super::reader::Reader;
 use super::text::{self, Parse, Parsed, empty_line};
 use super::wanted::{check_wish, select};
 use crate::error::quoted;
-use crate::{Error, Place};
+use crate::{Error, Place, fault};
 
 /// What a line must be.
 const OBJECT: &str = "one JSON object, {\"name\": number or null, …}";
@@ -24,7 +24,7 @@ pub fn open(
     check_wish(source_name, wanted)?;
     let mut lines = Lines::new(input, source_name);
     let Some(first) = lines.chunk(1)? else {
-        return Err(Error::data(source_name, Place::Whole, "no line", OBJECT));
+        return Err(fault(source_name, Place::Whole, "no line", OBJECT));
     };
     let usual = keys(source_name, &first)?;
     lines.put_back(first);
@@ -47,14 +47,14 @@ fn keys(source_name: &str, first: &Chunk) -> Result<Vec<String>, Error> {
     })
     .map_err(|at| not_an_object(source_name, first.first_line, &line[at..]))?;
     if keys.is_empty() {
-        return Err(Error::data(source_name, Place::Line(first.first_line), "no key", OBJECT));
+        return Err(fault(source_name, Place::Line(first.first_line), "no key", OBJECT));
     }
     Ok(keys)
 }
 
 fn not_an_object(source_name: &str, line: u64, rest: &[u8]) -> Error {
     let found = if rest.is_empty() { "the end of the line".into() } else { quoted(rest) };
-    Error::data(source_name, Place::Line(line), found, OBJECT)
+    fault(source_name, Place::Line(line), found, OBJECT)
 }
 
 struct NdJson {
@@ -102,10 +102,10 @@ impl NdJson {
     /// Appends the numbers of a line to the columns, which have `rows` each.
     fn row(&self, line: &[u8], number: u64, rows: usize, columns: &mut [Vec<f64>]) -> Result<(), Error> {
         let mut usual = self.usual.iter();
-        let mut fault = None;
+        let mut refused = None;
         let mut refuse = |key: &str, found: String, expected: &str| {
             let place = Place::Key { line: number, key: key.into() };
-            fault = Some(Error::data(&self.source_name, place, found, expected));
+            refused = Some(fault(&self.source_name, place, found, expected));
             None
         };
         let outcome = members(line, |key, value| {
@@ -138,9 +138,9 @@ impl NdJson {
                 }
             }
         });
-        match (outcome, fault) {
+        match (outcome, refused) {
             (Ok(()), _) => Ok(()),
-            (Err(_), Some(fault)) => Err(fault),
+            (Err(_), Some(refused)) => Err(refused),
             (Err(at), None) => Err(not_an_object(&self.source_name, number, &line[at..])),
         }
     }

@@ -12,10 +12,9 @@ use std::sync::Arc;
 use std::sync::Once;
 
 use super::ahead::{ahead, pool};
-use super::reader::Reader;
+use super::reader::{Batch, Reader, rows_per_batch};
 use super::wanted::{check_wish, select};
-use crate::batch::rows_per_batch;
-use crate::{Batch, Error, Place};
+use crate::{Error, Place, fault};
 
 mod shared;
 
@@ -47,14 +46,8 @@ pub fn open(
         .map(|place| {
             let kind = metadata.file_metadata().schema_descr().column(place);
             check_kind(&source_name, &kind)?;
-            Ok(Column {
-                place,
-                kind,
-                file: file.clone(),
-                metadata: metadata.clone(),
-                group: 0,
-                decoder: None,
-            })
+            let (file, metadata) = (file.clone(), metadata.clone());
+            Ok(Column { place, kind, file, metadata, group: 0, decoder: None })
         })
         .collect::<Result<Vec<_>, Error>>()?;
     let rows = rows_of(&source_name, &metadata)?;
@@ -80,7 +73,7 @@ pub enum ColumnKind {
 ///
 /// # Errors
 ///
-/// [`Error::File`] where it cannot be read, [`Error::Data`] where it is no Parquet file.
+/// [`Error::File`] where it cannot be read, [`Error::Request`] where it is no Parquet file.
 pub fn columns(source: impl Source + 'static, source_name: &str) -> Result<Vec<(String, ColumnKind)>, Error> {
     let file = Shared::new(source).map_err(|source| Error::file(source_name, "read", source))?;
     let metadata = guarded(source_name, || ParquetMetaDataReader::new().parse_and_finish(&file))?;
@@ -116,25 +109,21 @@ fn rows_of(source_name: &str, metadata: &ParquetMetaData) -> Result<u64, Error> 
         .iter()
         .try_fold(0_u64, |sum, group| sum.checked_add(u64::try_from(group.num_rows()).ok()?));
     rows.ok_or_else(|| {
-        Error::data(source_name, Place::Whole, "a number of rows that cannot be", "a whole Parquet file")
+        fault(source_name, Place::Whole, "a number of rows that cannot be", "a whole Parquet file")
     })
 }
 
 /// Refuses what is no column of numbers.
 fn check_kind(source_name: &str, kind: &ColumnDescPtr) -> Result<(), Error> {
+    use ConvertedType::{DATE, DECIMAL, TIME_MICROS, TIME_MILLIS};
     let stored = kind.physical_type();
     let numbers = matches!(stored, Type::FLOAT | Type::DOUBLE | Type::INT32 | Type::INT64);
     let plain = ticks_per_second(kind).is_some()
         || match (kind.logical_type_ref(), kind.converted_type()) {
             (Some(LogicalType::Integer(_)), _) => true,
             (Some(_), _) => false,
-            (None, converted) => !matches!(
-                converted,
-                ConvertedType::DECIMAL
-                    | ConvertedType::DATE
-                    | ConvertedType::TIME_MILLIS
-                    | ConvertedType::TIME_MICROS
-            ),
+            (None, DECIMAL | DATE | TIME_MILLIS | TIME_MICROS) => false,
+            (None, _) => true,
         };
     let flat = kind.path().parts().len() == 1 && kind.max_rep_level() == 0;
     let found = match (flat, numbers, plain) {
@@ -147,7 +136,7 @@ fn check_kind(source_name: &str, kind: &ColumnDescPtr) -> Result<(), Error> {
         },
     };
     let expected = "a column of DOUBLE, FLOAT, INT64 or INT32 that are plain numbers; convert it, or name the columns wanted";
-    Err(Error::data(source_name, Place::Column(kind.path().string()), found, expected))
+    Err(fault(source_name, Place::Column(kind.path().string()), found, expected))
 }
 
 /// Does what the decoder does; its errors, and the panics that a damaged file can bring it to, become ours.
@@ -158,7 +147,7 @@ fn guarded<T>(source_name: &str, decode: impl FnOnce() -> Result<T, ParquetError
         Err(_) => "the decoder gave up".into(),
     };
     let found = format!("what cannot be decoded ({why})");
-    Err(Error::data(source_name, Place::Whole, found, "a whole Parquet file"))
+    Err(fault(source_name, Place::Whole, found, "a whole Parquet file"))
 }
 
 thread_local! {
@@ -242,7 +231,7 @@ impl Column {
         })?;
         match values.iter().position(|value| value.is_infinite()) {
             None => Ok(values),
-            Some(row) => Err(Error::data(
+            Some(row) => Err(fault(
                 source_name,
                 Place::Row { row: first_row + row as u64 + 1, name: self.kind.path().string() },
                 "an infinite number, or an integer beyond ±2⁵³",

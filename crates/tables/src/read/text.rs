@@ -4,10 +4,8 @@ use std::sync::mpsc::{Receiver, sync_channel};
 
 use super::ahead::{ahead, pool};
 use super::lines::{Chunk, Lines};
-use super::reader::Reader;
-use crate::batch::rows_per_batch;
-use crate::error::listed;
-use crate::{Batch, Error, Place};
+use super::reader::{Batch, Reader, rows_per_batch};
+use crate::{Error, Place, fault, listed};
 
 /// How the lines of a format are parsed.
 pub trait Parse: Send + Sync + 'static {
@@ -80,7 +78,7 @@ impl Batches {
     /// Of a fault and empty lines before it, what comes first.
     fn first_fault(&self, error: Error) -> Error {
         match (self.empty_line, &error) {
-            (Some(line), Error::Data { .. }) => empty_line(&self.source_name, line),
+            (Some(line), Error::Request(_)) => empty_line(&self.source_name, line),
             _ => error,
         }
     }
@@ -94,10 +92,10 @@ impl Batches {
             return None;
         }
         let absent: Vec<_> = absent.into_iter().map(|column| self.names[column].clone()).collect();
-        Some(Error::data(
+        Some(fault(
             &self.source_name,
             Place::Whole,
-            format!("no line with the key {}", listed(&absent)),
+            format!("no line with the key {}", listed(&absent, 30)),
             "it in one at least",
         ))
     }
@@ -124,5 +122,5 @@ impl Iterator for Batches {
 
 /// The error for an empty line that is followed by others.
 pub fn empty_line(source_name: &str, line: u64) -> Error {
-    Error::data(source_name, Place::Line(line), "an empty line", "a row on each line but the last")
+    fault(source_name, Place::Line(line), "an empty line", "a row on each line but the last")
 }

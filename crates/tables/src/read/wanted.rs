@@ -2,8 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::error::listed;
-use crate::{COLUMN_LIMIT, Error, Place};
+use crate::{COLUMN_LIMIT, Error, Place, fault, listed};
 
 /// Checks the names of a table, and gives the place of each wanted column among them.
 pub fn select(
@@ -12,37 +11,26 @@ pub fn select(
     place: Place,
     wanted: &[&str],
 ) -> Result<Vec<usize>, Error> {
+    let refused = |found: String, expected: &str| Err(fault(source_name, place, found, expected));
     if names.len() > COLUMN_LIMIT {
-        return Err(Error::data(
-            source_name,
-            place,
-            format!("{} columns", names.len()),
-            format!("at most {COLUMN_LIMIT}; are rows and columns exchanged?"),
-        ));
+        let expected = format!("at most {COLUMN_LIMIT}; are rows and columns exchanged?");
+        return refused(format!("{} columns", names.len()), &expected);
     }
     let mut places = HashMap::new();
     for (column, name) in names.iter().enumerate() {
         if name.is_empty() {
-            return Err(Error::data(
-                source_name,
-                place,
-                format!("no name for column {}", column + 1),
-                "a name for each (pandas: index=False)",
-            ));
+            let found = format!("no name for column {}", column + 1);
+            return refused(found, "a name for each (pandas: index=False)");
         }
         if let Some(first) = places.insert(name.as_str(), column) {
             let found = format!("column {name} twice, as columns {} and {}", first + 1, column + 1);
-            return Err(Error::data(source_name, place, found, "a name of its own for each column"));
+            return refused(found, "a name of its own for each column");
         }
     }
     let absent: Vec<_> = wanted.iter().copied().filter(|name| !places.contains_key(name)).collect();
     if !absent.is_empty() {
-        return Err(Error::data(
-            source_name,
-            place,
-            format!("no column {}", absent.join(", ")),
-            format!("it among those there are: {}", listed(names)),
-        ));
+        let expected = format!("it among those there are: {}", listed(names, 30));
+        return refused(format!("no column {}", absent.join(", ")), &expected);
     }
     Ok(wanted.iter().map(|name| places[name]).collect())
 }

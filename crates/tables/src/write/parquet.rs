@@ -26,15 +26,11 @@ pub struct Groups {
 
 impl Groups {
     pub fn new(output: impl Write + Send + 'static, columns: &[&str]) -> io::Result<Self> {
-        let fields = columns
-            .iter()
-            .map(|name| {
-                let field = Type::primitive_type_builder(name, Stored::DOUBLE)
-                    .with_repetition(Repetition::OPTIONAL)
-                    .build()?;
-                Ok(Arc::new(field))
-            })
-            .collect::<Result<_>>()?;
+        let field = |name: &&str| {
+            let field = Type::primitive_type_builder(name, Stored::DOUBLE);
+            Ok(Arc::new(field.with_repetition(Repetition::OPTIONAL).build()?))
+        };
+        let fields = columns.iter().map(field).collect::<Result<_>>()?;
         let schema = Type::group_type_builder("table").with_fields(fields).build()?;
         let properties = WriterProperties::builder()
             .set_dictionary_enabled(false)

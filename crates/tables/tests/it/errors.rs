@@ -1,6 +1,5 @@
 //! Each fault has its message: where, what was found, what was expected.
 
-use std::fmt::Write as _;
 use std::fs;
 use std::io::Cursor;
 use std::path::Path;
@@ -19,30 +18,38 @@ fn csv(text: &str) -> String {
     message(Format::Csv, text, None)
 }
 
-fn ndjson(text: &str) -> String {
-    message(Format::NdJson, text, None)
+/// Texts, with where each fault is, and what is found there; `expected` ends the message.
+fn each(format: Format, expected: &str, cases: &[(&str, &str, &str)]) {
+    for (text, place, found) in cases {
+        assert_eq!(message(format, *text, None), format!("x{place}: found {found}; expected {expected}"));
+    }
 }
 
 #[test]
 fn headers() {
-    let header = "expected a line of column names, cut at commas";
-    assert_eq!(csv(""), format!("x: found no header; {header}"));
-    assert_eq!(csv("# only words\n"), format!("x: found no header; {header}"));
-    assert_eq!(csv("\na\n"), format!("x, line 1: found an empty line; {header}"));
-    assert_eq!(csv("# words\n0.5,1\n"), format!("x, line 2: found the number 0.5; {header}"));
-    assert_eq!(csv("a,\"b\n1,2\n"), format!("x, line 1: found a quote that is not closed; {header}"));
-    assert_eq!(
-        csv("a,b,a\n"),
-        "x, line 1: found column a twice, as columns 1 and 3; expected a name of its own for each column"
+    each(
+        Format::Csv,
+        "a line of column names, cut at commas",
+        &[
+            ("", "", "no header"),
+            ("# only words\n", "", "no header"),
+            ("\na\n", ", line 1", "an empty line"),
+            ("# words\n0.5,1\n", ", line 2", "the number 0.5"),
+            ("a,\"b\n1,2\n", ", line 1", "a quote that is not closed"),
+        ],
     );
-    assert_eq!(
-        csv(",b\n"),
-        "x, line 1: found no name for column 1; expected a name for each (pandas: index=False)"
-    );
-    assert_eq!(
-        message(Format::Csv, b"a\xff\n1\n", None),
-        "x, line 1: found byte 2 of the line, which is not UTF-8; expected text in UTF-8"
-    );
+    let twice = [("a,b,a\n", ", line 1", "column a twice, as columns 1 and 3")];
+    each(Format::Csv, "a name of its own for each column", &twice);
+    let nameless = [(",b\n", ", line 1", "no name for column 1")];
+    each(Format::Csv, "a name for each (pandas: index=False)", &nameless);
+    for (format, text, wanted, byte) in [
+        (Format::Csv, &b"a\xff\n1\n"[..], None, "line 1: found byte 2"),
+        (Format::Csv, b"a,b\n1,2\n1,\xc3\x28\n", Some(&["a"][..]), "line 3: found byte 3"),
+        (Format::NdJson, b"{\"a\":1}\n{\"a\":\xff}\n", None, "line 2: found byte 6"),
+    ] {
+        let expected = format!("x, {byte} of the line, which is not UTF-8; expected text in UTF-8");
+        assert_eq!(message(format, text, wanted), expected);
+    }
 }
 
 #[test]
@@ -64,101 +71,97 @@ fn wishes() {
 
 #[test]
 fn values_of_csv() {
-    let value = |line: u64, column: &str, found: &str| {
-        format!(
-            "x, line {line}, column {column}: found {found}; expected a finite number, or nothing where one is missing"
-        )
-    };
-    assert_eq!(csv("a,b_nt\n1,2\n3,four\n"), value(3, "2 (b_nt)", "\"four\""));
-    assert_eq!(csv("a,b_nt\n1,2\n\"3x\",4\n"), value(3, "1 (a)", "\"\\\"3x\\\"\""));
-    assert_eq!(csv("a,b_nt\n1,inf\n"), value(2, "2 (b_nt)", "\"inf\""));
-    assert_eq!(csv("a,b_nt\n-Infinity,1\n"), value(2, "1 (a)", "\"-Infinity\""));
-    assert_eq!(csv("a,b_nt\n1,1e999\r\n"), value(2, "2 (b_nt)", "\"1e999\""));
-    assert_eq!(csv("a,b_nt\n1,1.0 2.0\n"), value(2, "2 (b_nt)", "\"1.0 2.0\""));
-    assert_eq!(csv("a,b_nt\n1;2,3\n"), value(2, "1 (a)", "\"1;2\""));
-    assert_eq!(
-        csv("a,b_nt\n1,\"2\n3,4\n"),
-        "x, line 2, column 2 (b_nt): found \"\\\"2\", a quote that is not closed on its line; expected a closing quote"
+    let late = format!("a,b_nt\n{}1,2\n1,z\n", "1,2\n".repeat(2 * BATCH_ROWS));
+    let late_place = format!(", line {}, column 2 (b_nt)", 2 * BATCH_ROWS + 3);
+    each(
+        Format::Csv,
+        "a finite number, or nothing where one is missing",
+        &[
+            ("a,b_nt\n1,2\n3,four\n", ", line 3, column 2 (b_nt)", "\"four\""),
+            ("a,b_nt\n1,2\n\"3x\",4\n", ", line 3, column 1 (a)", "\"\\\"3x\\\"\""),
+            ("a,b_nt\n1,inf\n", ", line 2, column 2 (b_nt)", "\"inf\""),
+            ("a,b_nt\n-Infinity,1\n", ", line 2, column 1 (a)", "\"-Infinity\""),
+            ("a,b_nt\n1,1e999\r\n", ", line 2, column 2 (b_nt)", "\"1e999\""),
+            ("a,b_nt\n1,1.0 2.0\n", ", line 2, column 2 (b_nt)", "\"1.0 2.0\""),
+            ("a,b_nt\n1;2,3\n", ", line 2, column 1 (a)", "\"1;2\""),
+            (&late, &late_place, "\"z\""),
+        ],
     );
-    let late = format!("a,b\n{}1,2\n1,z\n", "1,2\n".repeat(2 * BATCH_ROWS));
-    let line = 2 * BATCH_ROWS as u64 + 3;
-    assert_eq!(csv(&late), value(line, "2 (b)", "\"z\""));
-    assert_eq!(
-        message(Format::Csv, b"a,b\n1,2\n1,\xc3\x28\n", Some(&["a"])),
-        "x, line 3: found byte 3 of the line, which is not UTF-8; expected text in UTF-8"
-    );
+    let found = "\"\\\"2\", a quote that is not closed on its line";
+    each(Format::Csv, "a closing quote", &[("a,b_nt\n1,\"2\n3,4\n", ", line 2, column 2 (b_nt)", found)]);
 }
 
 #[test]
 fn rows_of_csv() {
-    let row = |line: u64, found: &str| {
-        format!("x, line {line}: found {found}; expected 2, one for each name in the header")
-    };
-    assert_eq!(csv("a,b\n1,2\n3\n"), row(3, "1 value"));
-    assert_eq!(csv("a,b\n1,2,3\n"), row(2, "3 values"));
-    assert_eq!(csv("a,b\n1,2\n3,4\n5"), row(4, "1 value"));
-    assert_eq!(csv("a,b\n1,2,\r\n"), row(2, "3 values"));
-    assert_eq!(message(Format::Csv, "a,b\n1,2\n3,4,\"5,6\"\n", Some(&["a"])), row(3, "3 values"));
-    let empty =
-        |line: u64| format!("x, line {line}: found an empty line; expected a row on each line but the last");
-    assert_eq!(csv("a,b\n1,2\n\n3,4\n"), empty(3));
-    assert_eq!(csv("a\n1\n\r\n3\n"), empty(3));
+    let expected = "2, one for each name in the header";
+    each(
+        Format::Csv,
+        expected,
+        &[
+            ("a,b\n1,2\n3\n", ", line 3", "1 value"),
+            ("a,b\n1,2,3\n", ", line 2", "3 values"),
+            ("a,b\n1,2\n3,4\n5", ", line 4", "1 value"),
+            ("a,b\n1,2,\r\n", ", line 2", "3 values"),
+        ],
+    );
+    let of_one = message(Format::Csv, "a,b\n1,2\n3,4,\"5,6\"\n", Some(&["a"]));
+    assert_eq!(of_one, format!("x, line 3: found 3 values; expected {expected}"));
     let apart = format!("a\n{}\n\n\n1\n", "1\n".repeat(BATCH_ROWS - 1));
-    assert_eq!(csv(&apart), empty(BATCH_ROWS as u64 + 1));
+    each(
+        Format::Csv,
+        "a row on each line but the last",
+        &[
+            ("a,b\n1,2\n\n3,4\n", ", line 3", "an empty line"),
+            ("a\n1\n\r\n3\n", ", line 3", "an empty line"),
+            (&apart, &format!(", line {}", BATCH_ROWS + 1), "an empty line"),
+        ],
+    );
     let blank_end = format!("a\n{}\n\n\n", "1\n".repeat(BATCH_ROWS - 1));
     assert_eq!(read(Format::Csv, blank_end, None).expect("read"), BATCH_ROWS - 1);
 }
 
 #[test]
 fn lines_of_ndjson() {
-    let object = "expected one JSON object, {\"name\": number or null, …}";
-    assert_eq!(ndjson(""), format!("x: found no line; {object}"));
-    assert_eq!(ndjson("{}\n"), format!("x, line 1: found no key; {object}"));
-    assert_eq!(ndjson("[1,2]\n"), format!("x, line 1: found \"[1,2]\"; {object}"));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":1\n"), format!("x, line 2: found the end of the line; {object}"));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":1} 2\n"), format!("x, line 2: found \" 2\"; {object}"));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":1,}\n"), format!("x, line 2: found \"}}\"; {object}"));
-    assert_eq!(ndjson("{\"a\":1}\n{a:1}\n"), format!("x, line 2: found \"a:1}}\"; {object}"));
-    assert_eq!(
-        ndjson("{\"a\":1}\n\n{\"a\":2}\n"),
-        "x, line 2: found an empty line; expected a row on each line but the last"
+    each(
+        Format::NdJson,
+        "one JSON object, {\"name\": number or null, …}",
+        &[
+            ("", "", "no line"),
+            ("{}\n", ", line 1", "no key"),
+            ("[1,2]\n", ", line 1", "\"[1,2]\""),
+            ("{\"a\":1}\n{\"a\":1\n", ", line 2", "the end of the line"),
+            ("{\"a\":1}\n{\"a\":1} 2\n", ", line 2", "\" 2\""),
+            ("{\"a\":1}\n{\"a\":1,}\n", ", line 2", "\"}\""),
+            ("{\"a\":1}\n{a:1}\n", ", line 2", "\"a:1}\""),
+        ],
     );
-    let key = |line: u64, key: &str, found: &str| {
-        format!("x, line {line}, key {key}: found {found}; expected a finite number or null")
-    };
-    assert_eq!(
-        ndjson("{\"a\":1,\"b\":2}\n{\"a\":1,\"b\":\"two, too\"}\n"),
-        key(2, "b", "\"\\\"two, too\\\"\"")
+    each(
+        Format::NdJson,
+        "a finite number or null",
+        &[
+            ("{\"a\":1,\"b\":2}\n{\"a\":1,\"b\":\"2, 3\"}\n", ", line 2, key b", "\"\\\"2, 3\\\"\""),
+            ("{\"a\":1}\n{\"a\":[1]}\n", ", line 2, key a", "\"[1]\""),
+            ("{\"a\":1}\n{\"a\":true}\n", ", line 2, key a", "\"true\""),
+            ("{\"a\":1}\n{\"a\":-Infinity}\n", ", line 2, key a", "\"-Infinity\""),
+            ("{\"a\":1}\n{\"a\":1e999}\n", ", line 2, key a", "\"1e999\""),
+            ("{\"a\":1}\n{\"a\":1.5nt}\n", ", line 2, key a", "\"1.5nt\""),
+        ],
     );
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":[1]}\n"), key(2, "a", "\"[1]\""));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":true}\n"), key(2, "a", "\"true\""));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":-Infinity}\n"), key(2, "a", "\"-Infinity\""));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":1e999}\n"), key(2, "a", "\"1e999\""));
-    assert_eq!(ndjson("{\"a\":1}\n{\"a\":1.5nt}\n"), key(2, "a", "\"1.5nt\""));
-    assert_eq!(
-        ndjson("{\"a\":1}\n{\"a\":1,\"b\":2}\n"),
-        "x, line 2, key b: found a key that the first line has not; expected the same keys on each line"
-    );
-    assert_eq!(
-        ndjson("{\"a\":1}\n{\"a\":1,\"a\":2}\n"),
-        "x, line 2, key a: found the key twice; expected it once on a line"
-    );
-    assert_eq!(
-        ndjson("{\"a\":1,\"a\":2}\n"),
-        "x, line 1: found column a twice, as columns 1 and 2; expected a name of its own for each column"
-    );
-    assert_eq!(
-        message(Format::NdJson, b"{\"a\":1}\n{\"a\":\xff}\n", None),
-        "x, line 2: found byte 6 of the line, which is not UTF-8; expected text in UTF-8"
-    );
+    let own = "a name of its own for each column";
+    for (text, place, found, expected) in [
+        ("{\"a\":1}\n\n{\"a\":2}\n", ", line 2", "an empty line", "a row on each line but the last"),
+        ("{\"a\":1}\n{\"a\":1,\"a\":2}\n", ", line 2, key a", "the key twice", "it once on a line"),
+        ("{\"a\":1,\"a\":2}\n", ", line 1", "column a twice, as columns 1 and 2", own),
+    ] {
+        each(Format::NdJson, expected, &[(text, place, found)]);
+    }
+    let other = ("{\"a\":1}\n{\"a\":1,\"b\":2}\n", ", line 2, key b", "a key that the first line has not");
+    each(Format::NdJson, "the same keys on each line", &[other]);
 }
 
 #[test]
 fn absurd_sizes() {
-    let mut names = String::new();
-    for column in 0..=COLUMN_LIMIT {
-        write!(names, "c{column},").expect("a name");
-    }
+    let names: String = (0..=COLUMN_LIMIT).map(|column| format!("c{column},")).collect();
     assert_eq!(
         csv(&format!("{names}z\n")),
         "x, line 1: found 10002 columns; expected at most 10000; are rows and columns exchanged?"
@@ -171,11 +174,9 @@ fn absurd_sizes() {
     assert_eq!(csv(&"a".repeat(LINE_LIMIT + 1)), long(1));
     let digits = "0".repeat(LINE_LIMIT + 1);
     assert_eq!(csv(&format!("a\n1\n{digits}\n2\n")), long(3));
-    assert_eq!(ndjson(&format!("{{\"a\":1}}\n{digits}\n")), long(2));
-    assert_eq!(
-        read(Format::Csv, format!("a\n1\n{}\n2\n", &digits[1..]), None).expect("just short enough"),
-        3
-    );
+    assert_eq!(message(Format::NdJson, format!("{{\"a\":1}}\n{digits}\n"), None), long(2));
+    let short_enough = format!("a\n1\n{}\n2\n", &digits[1..]);
+    assert_eq!(read(Format::Csv, short_enough, None).expect("read"), 3);
     // Of long lines a batch has fewer.
     let row = format!("1,{}\n", "0".repeat(1 << 22));
     let reader = Reader::from_read(Cursor::new(format!("a,b\n{}", row.repeat(20))), Format::Csv, "x", None);
@@ -195,18 +196,16 @@ fn parquet() {
     let expected = "expected a column of DOUBLE, FLOAT, INT64 or INT32 that are plain numbers; convert it, or name the \
                     columns wanted";
     let other = "other_kinds.parquet";
-    assert_eq!(message(other, "name"), format!("column name: found values of type BYTE_ARRAY; {expected}"));
-    assert_eq!(message(other, "good"), format!("column good: found values of type BOOLEAN; {expected}"));
-    assert_eq!(
-        message("int96.parquet", "time"),
-        format!("column time: found values of type INT96; {expected}")
-    );
+    for (file, column, found) in [
+        (other, "name", "values of type BYTE_ARRAY"),
+        (other, "good", "values of type BOOLEAN"),
+        ("int96.parquet", "time", "values of type INT96"),
+        (other, "steps.list.element", "a column within another"),
+    ] {
+        assert_eq!(message(file, column), format!("column {column}: found {found}; {expected}"));
+    }
     // 2024-02-29 and a second later.
     assert_eq!(open(other, &["time"]).expect("moments")[0].columns, [[1_709_164_800.0, 1_709_164_801.0]]);
-    assert_eq!(
-        message(other, "steps.list.element"),
-        format!("column steps.list.element: found a column within another; {expected}")
-    );
     let finite = "expected a finite number that double precision holds exactly, or null";
     let found = "found an infinite number, or an integer beyond ±2⁵³";
     assert_eq!(message(other, "beyond"), format!("row 1, column beyond: {found}; {finite}"));
@@ -245,14 +244,15 @@ fn requests() {
         Writer::to_write(Vec::new(), Format::Csv, "x", columns).err().expect("refused").to_string()
     };
     let end = "is not written; expected columns with names of their own";
-    assert_eq!(names(&[]), format!("x: a table without columns {end}"));
-    assert_eq!(names(&["a", "a"]), format!("x: a table with two columns a {end}"));
-    assert_eq!(names(&["a", "b\nc"]), format!("x: a table with the column name \"b\\nc\" {end}"));
-    assert_eq!(names(&["1.5"]), format!("x: a table with the column name \"1.5\" {end}"));
-    assert_eq!(
-        names(&vec!["a"; COLUMN_LIMIT + 1]),
-        format!("x: a table of 10001 columns, more than 10000, {end}")
-    );
+    for (columns, fault) in [
+        (&[][..], "without columns"),
+        (&["a", "a"], "with two columns a"),
+        (&["a", "b\nc"], "with the column name \"b\\nc\""),
+        (&["1.5"], "with the column name \"1.5\""),
+        (&["a"; COLUMN_LIMIT + 1], "of 10001 columns, more than 10000,"),
+    ] {
+        assert_eq!(names(columns), format!("x: a table {fault} {end}"));
+    }
     let mut writer = Writer::to_write(Vec::new(), Format::NdJson, "x", &["a", "b"]).expect("begun");
     writer.write(&[[1.0], [2.0]]).expect("written");
     let unequal = writer.write(&[vec![1.0], vec![]]).expect_err("unequal").to_string();
