@@ -10,8 +10,8 @@ pub struct Bytes<'a>(pub &'a [u8]);
 
 /// A record, read from its beginning.
 pub struct Record<'a> {
-    left: &'a [u8],
-    /// Its type.
+    /// What is left of it.
+    pub left: &'a [u8],
     pub kind: u32,
     at: u64,
 }
@@ -21,7 +21,6 @@ pub struct Record<'a> {
 pub enum Compression {
     /// Runs of zero bytes.
     Runs,
-    /// GZIP.
     Gzip,
 }
 
@@ -54,7 +53,6 @@ impl<'a> Record<'a> {
         Ok(taken)
     }
 
-    /// Passes over bytes.
     pub fn skip(&mut self, count: usize) -> Result<(), Error> {
         self.take(count).map(drop)
     }
@@ -96,11 +94,6 @@ impl<'a> Record<'a> {
         let bytes = self.take(256)?;
         let end = bytes.iter().position(|byte| *byte == 0).unwrap_or(bytes.len());
         Ok(String::from_utf8_lossy(&bytes[..end]).trim_end().to_string())
-    }
-
-    /// What is left of it.
-    pub fn rest(&self) -> &'a [u8] {
-        self.left
     }
 }
 

@@ -17,7 +17,6 @@ struct File<'a> {
     dimensions: Vec<usize>,
 }
 
-/// Reads all records.
 pub fn read(bytes: &Bytes<'_>) -> Result<Cdf, Error> {
     let mut cdr = bytes.record(8, &[1])?;
     let gdr_at = cdr.offset()?;

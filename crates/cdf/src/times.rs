@@ -10,37 +10,18 @@ const TT_TAI: i64 = 32_184_000_000;
 /// The year 0 before 1970, s.
 const YEAR_0_S: f64 = 62_167_219_200.0;
 
-/// TAI − UTC, s, from a day on (s since 1970): Bulletin C of the IERS. 10 s from 1972-01-01.
-const LEAPS: [(i64, i64); 28] = [
-    (63_072_000, 10),
-    (78_796_800, 11),
-    (94_694_400, 12),
-    (126_230_400, 13),
-    (157_766_400, 14),
-    (189_302_400, 15),
-    (220_924_800, 16),
-    (252_460_800, 17),
-    (283_996_800, 18),
-    (315_532_800, 19),
-    (362_793_600, 20),
-    (394_329_600, 21),
-    (425_865_600, 22),
-    (489_024_000, 23),
-    (567_993_600, 24),
-    (631_152_000, 25),
-    (662_688_000, 26),
-    (709_948_800, 27),
-    (741_484_800, 28),
-    (773_020_800, 29),
-    (820_454_400, 30),
-    (867_715_200, 31),
-    (915_148_800, 32),
-    (1_136_073_600, 33),
-    (1_230_768_000, 34),
-    (1_341_100_800, 35),
-    (1_435_708_800, 36),
-    (1_483_228_800, 37),
+/// Days since 1970 from which TAI − UTC is one second more, 10 s from the first of them.
+///
+/// Source: Bulletin C of the IERS.
+const LEAPS: [i64; 28] = [
+    730, 912, 1096, 1461, 1826, 2191, 2557, 2922, 3287, 3652, 4199, 4564, 4929, 5660, 6574, 7305, 7670, 8217,
+    8582, 8947, 9496, 10043, 10592, 13149, 14245, 15522, 16617, 17167,
 ];
+
+/// When a difference of TAI and UTC begins, s since 1970, and how large it is, s.
+fn leap(number: usize) -> (i64, i64) {
+    (LEAPS[number] * 86_400, 10 + number as i64)
+}
 
 /// Of TT2000; None for its fill and pad values and before 1972.
 pub fn of_tt2000(tt2000: i64) -> Option<i64> {
@@ -49,11 +30,11 @@ pub fn of_tt2000(tt2000: i64) -> Option<i64> {
     }
     let tai = tt2000.checked_add(J2000 - TT_TAI)?;
     // The leap second itself lies before the day from which the new difference holds, by one second of TAI.
-    let (_, ahead) = LEAPS.iter().rev().find(|(from, ahead)| tai >= (from + ahead - 1) * SECOND)?;
-    let (from, _) = LEAPS.iter().rev().find(|(_, known)| known == ahead)?;
+    let mut leaps = (0..LEAPS.len()).rev().map(leap);
+    let (from, ahead) = leaps.find(|(from, ahead)| tai >= (from + ahead - 1) * SECOND)?;
     let utc = tai - ahead * SECOND;
     // Within the leap second: as the first second of the day.
-    Some(if utc < from * SECOND && *ahead > 10 { utc + SECOND } else { utc })
+    Some(if utc < from * SECOND && ahead > 10 { utc + SECOND } else { utc })
 }
 
 /// Of EPOCH, ms since the year 0, to the microsecond; None for fill values.
@@ -81,12 +62,8 @@ mod tests {
         assert_eq!(of_tt2000(536_500_869_184_000_000), Some(1_483_228_800 * SECOND));
         // J2000 itself: 64.184 s before noon of a clock in UTC.
         assert_eq!(of_tt2000(0), Some(946_727_935_816_000_000));
-        assert_eq!(
-            (of_tt2000(i64::MIN), of_tt2000(i64::MIN + 1), of_tt2000(-900_000_000 * SECOND)),
-            (None, None, None)
-        );
-        assert_eq!(LEAPS[27].1 - LEAPS[0].1, 27);
-        assert!(LEAPS.windows(2).all(|pair| pair[1].1 == pair[0].1 + 1 && pair[1].0 % 86_400 == 0));
+        assert_eq!([i64::MIN, i64::MIN + 1, -900_000_000 * SECOND].map(of_tt2000), [None; 3]);
+        assert_eq!(leap(27), (1_483_228_800, 37));
     }
 
     #[test]

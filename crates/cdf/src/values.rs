@@ -1,5 +1,7 @@
 //! Values as a CDF holds them.
 
+use std::slice::ChunksExact;
+
 use crate::Error;
 use crate::times;
 
@@ -81,32 +83,31 @@ impl ValueType {
         let values = bytes.chunks_exact(each);
         match self {
             ValueType::Char => Values::Texts(values.map(text).collect()),
-            ValueType::Epoch => {
-                Values::Moments(values.map(|value| times::of_epoch(double(value, little))).collect())
+            ValueType::Epoch => moments(values, |value| times::of_epoch(double(value, little))),
+            ValueType::Tt2000 => moments(values, |value| times::of_tt2000(unsigned(value, little) as i64)),
+            ValueType::Epoch16 => moments(values, |value| {
+                let (seconds, picos) = value.split_at(8);
+                times::of_epoch16(double(seconds, little), double(picos, little))
+            }),
+            ValueType::Double => numbers(values, |value| double(value, little)),
+            ValueType::Float => {
+                numbers(values, |value| f32::from_bits(unsigned(value, little) as u32).into())
             }
-            ValueType::Tt2000 => Values::Moments(
-                values.map(|value| times::of_tt2000(unsigned(value, little) as i64)).collect(),
-            ),
-            ValueType::Epoch16 => Values::Moments(
-                values
-                    .map(|value| times::of_epoch16(double(&value[..8], little), double(&value[8..], little)))
-                    .collect(),
-            ),
-            ValueType::Double => Values::Numbers(values.map(|value| double(value, little)).collect()),
-            ValueType::Float => Values::Numbers(
-                values.map(|value| f64::from(f32::from_bits(unsigned(value, little) as u32))).collect(),
-            ),
-            ValueType::Int { bytes, signed } => Values::Numbers(
-                values
-                    .map(|value| {
-                        let number = unsigned(value, little);
-                        let unused = 64 - 8 * bytes as u32;
-                        if signed { ((number << unused) as i64 >> unused) as f64 } else { number as f64 }
-                    })
-                    .collect(),
-            ),
+            ValueType::Int { bytes, signed } => numbers(values, |value| {
+                let number = unsigned(value, little);
+                let unused = 64 - 8 * bytes as u32;
+                if signed { ((number << unused) as i64 >> unused) as f64 } else { number as f64 }
+            }),
         }
     }
+}
+
+fn numbers(values: ChunksExact<'_, u8>, of: impl Fn(&[u8]) -> f64) -> Values {
+    Values::Numbers(values.map(of).collect())
+}
+
+fn moments(values: ChunksExact<'_, u8>, of: impl Fn(&[u8]) -> Option<i64>) -> Values {
+    Values::Moments(values.map(of).collect())
 }
 
 impl Values {

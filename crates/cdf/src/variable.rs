@@ -68,19 +68,15 @@ impl Layout {
         // Compression reaches a factor of a thousand; what claims more is broken.
         let size = size.filter(|size| *size / 2048 <= bytes.0.len());
         let size = size.ok_or_else(|| {
-            Error(format!(
-                "a broken CDF: {} records of {} bytes in a file of {}",
-                self.records,
-                self.record,
-                bytes.0.len()
-            ))
+            let (records, record, file) = (self.records, self.record, bytes.0.len());
+            Error(format!("a broken CDF: {records} records of {record} bytes in a file of {file}"))
         })?;
         let (mut all, mut there) = (vec![0; size], vec![false; self.records]);
         let mut followed = 0;
         self.follow(bytes, self.index, &mut followed, &mut |first, block| {
             let count = (block.len() / self.record).min(self.records.saturating_sub(first));
-            all[first * self.record..(first + count) * self.record]
-                .copy_from_slice(&block[..count * self.record]);
+            let (from, size) = (first * self.record, count * self.record);
+            all[from..from + size].copy_from_slice(&block[..size]);
             there[first..first + count].fill(true);
         })?;
         if self.repeats {
@@ -134,7 +130,7 @@ impl Layout {
                     block.u64()?;
                 }
                 let packed = self.compression.filter(|_| compressed);
-                put(first, &inflate(block.rest(), packed, count * self.record)?);
+                put(first, &inflate(block.left, packed, count * self.record)?);
             }
         }
         Ok(())

@@ -56,10 +56,8 @@ impl IagaWriter {
             Start::parse(text).ok_or_else(|| Error::Request(format!("\"{text}\" after {expected}")))
         });
         let Some(start) = told.transpose()?.or(recording.start()) else {
-            return Err(Error::Request(
-                "IAGA-2002 needs dates, and the origin of time_s is unknown; give --start, or --recording with a start in the document"
-                    .into(),
-            ));
+            let unknown = "IAGA-2002 needs dates, and the origin of time_s is unknown; give --start, or --recording with a start in the document";
+            return Err(Error::Request(unknown.into()));
         };
         Ok(Self { sink: Sink::open(output)?, code, start_s: start.unix_s, last_ms: None, rows: 0 })
     }

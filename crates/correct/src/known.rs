@@ -84,7 +84,6 @@ fn turns(document: &Document) -> Vec<Stated> {
     Axis::ALL.into_iter().flat_map(of).collect()
 }
 
-/// The parameters of the effects.
 fn model(document: &Document, effects: &[EffectInstance], places: &[usize]) -> Vec<Stated> {
     let Some(adopted) = document.model.as_ref().map(|model| &model.effects) else { return Vec::new() };
     let mut all = Vec::new();

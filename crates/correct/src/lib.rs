@@ -58,24 +58,16 @@ impl Frame {
 /// Where no recording is to be corrected.
 const NOTHING: &str = "no recording holds readings of three sensors; correct needs `sensor_x_v`, `sensor_y_v` and `sensor_z_v`, or the same in nT";
 
-/// What is asked for.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Options {
-    /// The frame of the field.
-    pub frame: Frame,
-}
-
 /// Corrects every recording that holds readings of three sensors: it gets the columns of [`Frame::columns`].
-pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(mut document: Document, frame: Frame) -> Result<Document, Error> {
     check(&document)?;
-    let corrector = Corrector::of(&document, options.frame)?;
+    let corrector = Corrector::of(&document, frame)?;
     let mut done: Vec<(usize, Corrected)> = Vec::new();
     let mut hidden = None;
     for (index, recording) in document.recordings.iter().enumerate() {
         let path = format!("recordings[{index}]");
         if recording.table.is_some() && recording.columns.is_empty() {
-            let expected = "the readings under `columns`; correct a long series as the file that it is, with --calibration and this \
-                            document";
+            let expected = "the readings under `columns`; correct a long series as the file that it is, with --calibration and this document";
             let found = "a file beside the document";
             return Err(Error::document(format!("{path}.table"), found, expected));
         }
@@ -102,7 +94,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     }
     for (index, corrected) in done {
         let columns = &mut document.recordings[index].columns;
-        for (name, values) in options.frame.columns().into_iter().zip(corrected.into_columns()) {
+        for (name, values) in frame.columns().into_iter().zip(corrected.into_columns()) {
             columns.insert(name, Column::from(values));
         }
     }
@@ -120,11 +112,8 @@ fn is_corrected(recording: &Recording) -> bool {
 fn check(document: &Document) -> Result<(), Error> {
     let calibration = document.calibration.as_ref();
     if calibration.is_none_or(|calibration| calibration.sensors.is_none() && calibration.axes.is_none()) {
-        return Err(Error::document(
-            "calibration",
-            "neither `sensors` nor `axes`",
-            "what scalarcal, or sensorcal and axescal found, or what you state in their place",
-        ));
+        let expected = "what scalarcal, or sensorcal and axescal found, or what you state in their place";
+        return Err(Error::document("calibration", "neither `sensors` nor `axes`", expected));
     }
     Ok(())
 }

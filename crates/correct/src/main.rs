@@ -1,8 +1,9 @@
 //! `correct`: raw readings, a calibration and a model: the field.
 
-use clap::{Parser, ValueEnum};
+use clap::Parser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use common::{Document, Recording};
-use correct::{Frame, Options, Request, Station};
+use correct::{Frame, Request, Station};
 use ingest::{Mapping, Readings};
 use program::pipe::{self, Input, Io, Program, StageIo};
 use program::{manual, progress};
@@ -10,7 +11,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use tables::Content;
+use tables::{Content, Format};
 
 const PROGRAM: Program = Program { name: "correct", version: env!("CARGO_PKG_VERSION"), takes: &[] };
 
@@ -28,8 +29,8 @@ struct Cli {
     #[command(flatten)]
     io: Io,
     /// The frame of the field: that of the sensor block, or north, east, down
-    #[arg(long, value_enum, default_value_t = FrameName::Sen)]
-    frame: FrameName,
+    #[arg(long, value_parser = PossibleValuesParser::new(["sen", "geo"]).map(frame), default_value = "sen")]
+    frame: Frame,
     /// Correct a table with this document's calibration; DOCUMENT is then a file of readings: .csv, .ndjson or .parquet with the document's
     /// names of columns, IAGA-2002, CDF, or with --map whatever `ingest` reads
     #[arg(long, value_name = "DOCUMENT")]
@@ -41,11 +42,11 @@ struct Cli {
     #[arg(long, value_name = "MAP", requires = "calibration", conflicts_with = "from")]
     map: Option<PathBuf>,
     /// Format of the table, if its name does not show it
-    #[arg(long, value_enum, requires = "calibration")]
-    from: Option<FormatName>,
+    #[arg(long, value_parser = PossibleValuesParser::new(FORMATS).map(format), requires = "calibration")]
+    from: Option<Format>,
     /// Format to write, if the name of the output does not show it
-    #[arg(long, value_enum, requires = "calibration")]
-    to: Option<FormatName>,
+    #[arg(long, value_parser = PossibleValuesParser::new(FORMATS).map(format), requires = "calibration")]
+    to: Option<Format>,
     /// Write IAGA-2002 for this station (three or four letters), in GEO
     #[arg(long, value_name = "CODE", requires = "calibration", conflicts_with_all = ["to", "frame"])]
     iaga: Option<String>,
@@ -54,27 +55,18 @@ struct Cli {
     start: Option<String>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-enum FrameName {
-    Sen,
-    Geo,
-}
+const FORMATS: [&str; 3] = ["csv", "ndjson", "parquet"];
 
-#[derive(Clone, Copy, ValueEnum)]
-enum FormatName {
-    Csv,
-    Ndjson,
-    Parquet,
-}
-
-impl From<FormatName> for tables::Format {
-    fn from(name: FormatName) -> Self {
-        match name {
-            FormatName::Csv => tables::Format::Csv,
-            FormatName::Ndjson => tables::Format::NdJson,
-            FormatName::Parquet => tables::Format::Parquet,
-        }
+fn format(name: String) -> Format {
+    match name.as_str() {
+        "csv" => Format::Csv,
+        "ndjson" => Format::NdJson,
+        _ => Format::Parquet,
     }
+}
+
+fn frame(name: String) -> Frame {
+    if name == "geo" { Frame::Geo } else { Frame::Sen }
 }
 
 fn main() -> ExitCode {
@@ -83,33 +75,30 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let frame = match cli.frame {
-        FrameName::Sen if cli.iaga.is_none() => Frame::Sen,
-        _ => Frame::Geo,
-    };
+    let frame = if cli.iaga.is_some() { Frame::Geo } else { cli.frame };
     if let Some(calibration) = &cli.calibration {
         return table(cli, calibration, frame);
     }
-    let arguments = match frame {
-        Frame::Sen => Vec::new(),
-        Frame::Geo => vec!["--frame=geo".to_string()],
-    };
-    let options = Options { frame };
+    let arguments = if frame == Frame::Geo { vec!["--frame=geo".to_string()] } else { Vec::new() };
     pipe::stage_or(
         PROGRAM,
         &StageIo::from(&cli.io),
         arguments,
-        |file| format!("correct --calibration DOCUMENT {file}"),
-        |document| correct::run(document, &options),
+        with_calibration,
+        |document| correct::run(document, frame),
         |document| correct::summary(document, frame),
     )?;
     Ok(())
 }
 
+/// How a table is corrected, for one that is given in place of a document.
+fn with_calibration(file: &str) -> String {
+    format!("correct --calibration DOCUMENT {file}")
+}
+
 fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
     cli.io.apart([calibration].into_iter().chain(cli.map.as_deref()))?;
-    let (text, document) =
-        Input::document(Some(calibration), |file| format!("correct --calibration DOCUMENT {file}"))?;
+    let (text, document) = Input::document(Some(calibration), with_calibration)?;
     let readings = readings(cli)?;
     let request = Request {
         calibration: &document,
@@ -117,9 +106,9 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
         recording: cli.recording.as_deref(),
         frame,
         input: pipe::named(cli.io.file.as_deref()),
-        input_format: cli.from.map(Into::into),
+        input_format: cli.from,
         output: pipe::named(cli.io.output.as_deref()),
-        output_format: cli.to.map(Into::into),
+        output_format: cli.to,
         iaga: cli.iaga.as_deref().map(|code| Station { code, start: cli.start.as_deref() }),
     };
     if request.output.is_none() {
@@ -138,13 +127,11 @@ fn readings(cli: &Cli) -> anyhow::Result<Option<Recording>> {
     if cli.map.is_none() && (cli.from.is_some() || !says_itself(&file)) {
         return Ok(None);
     }
-    let mapping = match &cli.map {
-        Some(map) => {
-            let input = Input::read(Some(map))?;
-            Some(Mapping::parse(&input.text).map_err(|error| input.locate(error))?)
-        }
-        None => None,
+    let read = |map: &PathBuf| {
+        let input = Input::read(Some(map))?;
+        Mapping::parse(&input.text).map_err(|error| input.locate(error))
     };
+    let mapping = cli.map.as_ref().map(read).transpose()?;
     let options = ingest::Options { mapping, readings: Readings::Inline, ..ingest::Options::default() };
     let document = Document { fluxcal: common::FORMAT_VERSION, ..Document::default() };
     let mut ingested = ingest::run(document, &[file], &options)?;

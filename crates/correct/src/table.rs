@@ -86,7 +86,6 @@ type Piece = Result<(Recording, Corrected), Error>;
 struct Pieces<'a> {
     corrector: &'a Corrector<'a>,
     template: &'a Recording,
-    /// Of its columns.
     names: &'a [String],
     /// As errors call it.
     name: &'a str,
@@ -167,20 +166,16 @@ impl Output<'_> {
         if let Some(station) = self.request.iaga {
             return Ok(Sheet::Iaga(IagaWriter::create(self.request.output, station, recording)?));
         }
-        Ok(Sheet::Table(self.table()?))
-    }
-
-    fn table(&self) -> Result<Writer, tables::Error> {
         let added = self.request.frame.columns();
         let mut header = self.kept();
         header.extend(added.iter().map(String::as_str));
-        match (self.request.output, self.request.output_format) {
-            (Some(path), None) => Writer::create(path, &header),
-            (Some(path), Some(format)) => Writer::create_as(path, format, &header),
+        Ok(Sheet::Table(match (self.request.output, self.request.output_format) {
+            (Some(path), None) => Writer::create(path, &header)?,
+            (Some(path), Some(format)) => Writer::create_as(path, format, &header)?,
             (None, told) => {
-                Writer::to_write(io::stdout(), told.unwrap_or(self.format), "standard output", &header)
+                Writer::to_write(io::stdout(), told.unwrap_or(self.format), "standard output", &header)?
             }
-        }
+        }))
     }
 
     /// Writes rows. False: the reader of standard output has gone, and no more is wanted.
@@ -288,10 +283,9 @@ fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
         }
         (None, Some(format)) => (Reader::from_read(io::stdin(), format, &stdin, None)?, stdin, format),
         (None, None) => {
-            return Err(Error::Request(
-                "the format of standard input is unknown; expected --from csv or --from ndjson, or a file"
-                    .into(),
-            ));
+            let unknown =
+                "the format of standard input is unknown; expected --from csv or --from ndjson, or a file";
+            return Err(Error::Request(unknown.into()));
         }
     };
     Ok(Sheets { names: reader.columns().to_vec(), batches: Box::new(reader), name, format })

@@ -42,7 +42,6 @@ pub fn saturated(by_sensor: [u64; 3]) -> Vec<(String, u64)> {
     Axis::ALL.into_iter().zip(by_sensor).filter(|(_, count)| *count > 0).map(of).collect()
 }
 
-/// Keeps some of the rows.
 pub fn retain(series: &mut Series, keep: &[bool]) {
     series.rows = those(&series.rows, keep);
     series.time_s = series.time_s.as_ref().map(|time| those(time, keep));

@@ -33,13 +33,11 @@ pub struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    /// All rows.
     pub fn new(series: &'a [Series], scales: Scales, follows: &'a [Vec<Vec<f64>>]) -> Self {
         let pieces = series.iter().enumerate().map(|(number, one)| (number, 0..one.len())).collect();
         Self { series, scales, follows, weights: None, pieces }
     }
 
-    /// Some rows of one recording.
     pub fn part(&self, number: usize, rows: Range<usize>) -> Self {
         Self { pieces: vec![(number, rows)], ..Self::new(self.series, self.scales, self.follows) }
     }
@@ -79,7 +77,7 @@ impl<'a> Rows<'a> {
         rows: Range<usize>,
         mut of: impl FnMut(usize, &mut [f64], &mut [f64]) -> T,
     ) -> Vec<T> {
-        let (mut z, mut products) = (vec![0.0; terms.columns() + 1], vec![0.0; terms.count()]);
+        let (mut z, mut products) = (vec![0.0; terms.columns + 1], vec![0.0; terms.count()]);
         let each = |row: usize| {
             self.fill(number, row, &mut z);
             terms.fill(&z, &mut products);
@@ -88,7 +86,6 @@ impl<'a> Rows<'a> {
         rows.map(each).collect()
     }
 
-    /// The factor of the rows.
     pub fn factor(&self, terms: &Terms) -> Factor {
         let chunks = |(number, rows): &(usize, Range<usize>)| {
             let (number, end) = (*number, rows.end);

@@ -81,7 +81,7 @@ pub fn short(
     starts: &[State],
     nothing_known: bool,
 ) -> Option<Error> {
-    let (count, number) = (model.parameters.len(), sums.plain.rows());
+    let (count, number) = (model.parameters.len(), sums.plain.rows);
     if number <= count as u64 {
         return None;
     }

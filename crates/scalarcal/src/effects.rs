@@ -12,6 +12,7 @@ use crate::design::Scales;
 use crate::directions::unmixed;
 use crate::model::Parameter;
 use crate::read::Series;
+use crate::terms::ONE;
 use crate::{Error, Options};
 
 /// Columns are one where they differ by less than this share.
@@ -142,9 +143,8 @@ pub fn following(
                 .map(|one| one[place][axis].iter().map(|value| value * to_rms).collect())
                 .collect();
             let (number, sign) = shared(&mut found.columns, column, scales.magnitude_nt);
-            Some((number, sign * rms[axis] / largest))
+            Some((ONE + 1 + number, sign * rms[axis] / largest))
         });
-        let follows = follows.map(|one| one.map(|(column, factor)| (crate::terms::ONE + 1 + column, factor)));
         let one = &effects[number[0]];
         let of = one.axis.map(|axis| format!(" of {axis}")).unwrap_or_default();
         let column = one.column.as_ref().map(|column| format!(" ({column})")).unwrap_or_default();

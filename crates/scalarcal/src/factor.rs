@@ -12,7 +12,7 @@ pub const BLOCK: usize = 512;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Factor {
-    rows: u64,
+    pub rows: u64,
     triangle: Triangle,
     /// Rows that are not yet in the triangle, one after the other.
     #[serde(skip)]
@@ -87,10 +87,6 @@ impl Factor {
         self.rows > 0
             && self.triangle.is_whole(columns)
             && (0..columns).all(|j| (0..=j).all(|i| self.triangle.at(i, j).is_finite()))
-    }
-
-    pub fn rows(&self) -> u64 {
-        self.rows
     }
 
     pub fn upper(&self) -> Mat<f64> {

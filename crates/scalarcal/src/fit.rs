@@ -60,9 +60,9 @@ pub struct FittedState {
 /// [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] where there is no minimum.
 pub fn fit(model: &Model, sums: &Sums<'_>, known: &Linear, starts: &[State]) -> Result<FittedState, Error> {
     let count = model.parameters.len();
-    let freedom = sums.plain.rows() as f64 - count as f64;
+    let freedom = sums.plain.rows as f64 - count as f64;
     if freedom < 1.0 {
-        let rows = sums.plain.rows();
+        let rows = sums.plain.rows;
         return Err(Error::Unanswerable(format!(
             "{rows} complete rows for {count} parameters; expected more rows than parameters"
         )));
@@ -109,7 +109,7 @@ fn round(
     upper: &Mat<f64>,
     (start, variance): (&State, f64),
 ) -> Result<FittedState, Error> {
-    let freedom = sums.plain.rows() as f64 - model.parameters.len() as f64;
+    let freedom = sums.plain.rows as f64 - model.parameters.len() as f64;
     let variance = variance.max(FINEST * FINEST);
     let declared = sums.sensor.map(|sensor| sensor / model.scale(start).powi(2));
     let sensor = declared.unwrap_or((variance - sums.reference).max(0.0));
@@ -136,10 +136,10 @@ fn round(
 /// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products
 /// of a factor.
 fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Mat<f64> {
-    let mut noise = vec![0.0; model.terms.columns() + 1];
+    let mut noise = vec![0.0; model.terms.columns + 1];
     let scale = model.scale(state);
     (0..3).for_each(|axis| noise[axis] = sensor * (scale / state[axis]).powi(2));
-    noise[model.terms.columns()] = reference;
+    noise[model.terms.columns] = reference;
     let one = model.terms.product(ONE, ONE);
     let moments = |f: usize, g: usize| model.terms.place(f, g).map_or(0.0, |place| plain.product(place, one));
     added_by_noise(&model.terms, &noise, moments)
@@ -155,7 +155,7 @@ pub fn about(model: &Model, found: &FittedState, plain: &[&Factor]) -> Option<Ve
     });
     let of = |factor: &&Factor| {
         let added = added(model, &found.state, (found.sensor, found.reference), factor);
-        let scatter = factor.rows() as f64 * found.variance;
+        let scatter = factor.rows as f64 * found.variance;
         let mut shares = RowRef::from_slice(&coefficients) * added * &map * Scale(-1.0 / scatter);
         shares[0] = 0.0;
         let rows = factor.upper() * &map;

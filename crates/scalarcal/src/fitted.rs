@@ -117,7 +117,7 @@ impl Fitted {
             sources,
             scalar: ScalarCalibration {
                 recordings: series.iter().map(|one| one.id.clone()).collect(),
-                rows: plain.rows(),
+                rows: plain.rows,
                 missing: series.iter().map(|one| one.missing as u64).sum(),
                 noise,
                 includes_body: true,

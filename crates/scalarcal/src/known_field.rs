@@ -13,7 +13,7 @@ use crate::design::Rows;
 use crate::directions::unmixed;
 use crate::factor::{Factor, compressed};
 use crate::linear::RANK_TOLERANCE;
-use crate::model::{Model, State};
+use crate::model::{Model, State, own};
 use crate::moment::{About, Moment, Spread};
 use crate::noise::{Group, Groups};
 use crate::read::{Series, Source};
@@ -82,7 +82,7 @@ impl<'a> Vectors<'a> {
             return None;
         }
         let z = self.rows.z(number, row);
-        let own = model.chain(state).own(&z);
+        let own = own(&model.along(state), &z);
         Some(Moment { own, z, field, rotation })
     }
 
@@ -120,7 +120,7 @@ impl<'a> Vectors<'a> {
             for axis in 0..3 {
                 mu.column_mut(axis).normalize_mut();
             }
-            Ok((mu, (squares / factor.rows() as f64).sqrt()))
+            Ok((mu, (squares / factor.rows as f64).sqrt()))
         };
         let (mu, rms) = fitted(false)?;
         let inverse_rms = fitted(true).map_or(f64::INFINITY, |(_, rms)| rms);

@@ -19,12 +19,10 @@
 //!   reports what the rotations determine least.
 //! - `variations` answers for readings whose field hardly turns: the main field about which they vary.
 //! - `stream` keeps factors by windows of time (`stream/windows`); `stream/memory` widens intervals by the
-//!   scatter of the windows. `seen` and `stability` answer the same questions of rows and of windows, both as
-//!   `noise::Groups`.
+//!   scatter of the windows. `seen` answers the same questions of rows and of windows, both as `noise::Groups`.
 //! - The magnitude has no rotation of the sensors, so `physics` does not predict it: the residual is that of
 //!   the corrected readings, which is exact for the basic chain.
 
-mod axes;
 mod body;
 mod checks;
 mod declared;
@@ -34,8 +32,6 @@ mod directions;
 mod effects;
 mod ends;
 mod factor;
-mod files;
-mod findings;
 mod fit;
 mod fitted;
 mod kalman;
@@ -48,11 +44,9 @@ mod noise;
 mod options;
 mod read;
 mod result;
-mod robust;
 mod seen;
 mod solve;
 mod solved;
-mod stability;
 mod start;
 pub mod stream;
 mod terms;
@@ -62,9 +56,9 @@ mod weakest;
 mod words;
 
 pub use common::Error;
-pub use files::Columns;
 pub use options::Options;
 pub use read::Source;
+pub use stream::Columns;
 pub use words::summary;
 
 use common::Document;

@@ -96,8 +96,8 @@ impl Model {
     }
 
     /// L: what each sensor reads along its axis, by the columns z.
-    fn along<T: Real>(&self, state: &[T]) -> [Vec<T>; 3] {
-        let mut along = [(); 3].map(|()| vec![T::zero(); self.terms.columns()]);
+    pub fn along<T: Real>(&self, state: &[T]) -> [Vec<T>; 3] {
+        let mut along = [(); 3].map(|()| vec![T::zero(); self.terms.columns]);
         for (parameter, value) in self.parameters.iter().zip(state) {
             match parameter {
                 Parameter::Sensitivity(axis) => along[*axis][*axis] = *value,
@@ -122,7 +122,7 @@ impl Model {
     pub fn coefficients<T: Real>(&self, state: &[T]) -> Option<Vec<T>> {
         let along = self.along(state);
         let inverse = inverse_cosines(state)?;
-        let columns = self.terms.columns();
+        let columns = self.terms.columns;
         let square = |f: usize, g: usize| {
             let pairs = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
             pairs.fold(T::zero(), |sum, (k, l)| sum + along[k][f] * inverse[k][l] * along[l][g])
@@ -137,7 +137,7 @@ impl Model {
                 if f == g { square(f, g) - own } else { square(f, g) * 2.0 }
             }
         };
-        Some(self.terms.pairs().iter().map(|pair| of(*pair) / unit).collect())
+        Some(self.terms.pairs.iter().map(|pair| of(*pair) / unit).collect())
     }
 
     /// The derivative of the coefficients by each parameter, one column a parameter.
@@ -148,10 +148,6 @@ impl Model {
         };
         let by: Vec<Vec<Dual64>> = (0..self.parameters.len()).map(by).collect::<Option<_>>()?;
         Some(Mat::from_fn(self.terms.count(), by.len(), |place, j| by[j][place].eps))
-    }
-
-    pub fn chain(&self, state: &State) -> Chain {
-        Chain(self.along(state))
     }
 
     pub fn place(&self, parameter: &Parameter) -> Option<usize> {
@@ -177,14 +173,9 @@ impl Model {
     }
 }
 
-/// L of a state, sensor by sensor.
-pub struct Chain([Vec<f64>; 3]);
-
-impl Chain {
-    /// What each sensor reads along its axis, over the typical magnitude.
-    pub fn own(&self, z: &[f64]) -> [f64; 3] {
-        self.0.each_ref().map(|along| along.iter().zip(z).map(|(factor, value)| factor * value).sum())
-    }
+/// What each sensor reads along its axis by L, over the typical magnitude.
+pub fn own(along: &[Vec<f64>; 3], z: &[f64]) -> [f64; 3] {
+    along.each_ref().map(|along| along.iter().zip(z).map(|(factor, value)| factor * value).sum())
 }
 
 /// G: the cosines between the axes.
@@ -270,7 +261,7 @@ mod tests {
         let mut row = vec![0.0; model.terms.count()];
         model.terms.fill(&z, &mut row);
         let residual: f64 = row.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
-        let own = nalgebra::Vector3::from(model.chain(&state).own(&z));
+        let own = nalgebra::Vector3::from(own(&model.along(&state), &z));
         let magnitude = own.dot(&(cosines(&state).try_inverse().expect("axes") * own)).sqrt();
         // (mF)² with m, then (F − β)² in place of F².
         let expected = (magnitude.powi(2) - (1.01 * z[6]).powi(2) + 2.0 * 0.004 * z[6] - 0.004_f64.powi(2))

@@ -97,6 +97,7 @@ impl<'s> About<'s> {
 mod tests {
     use super::*;
     use crate::directions::{frame, turned};
+    use crate::model::own;
     use crate::terms::ONE;
 
     #[test]
@@ -111,12 +112,12 @@ mod tests {
         let state = vec![1.1, 0.9, 1.02, 0.01, -0.02, 0.03, 0.05, -0.04, 0.02, 0.3, 0.0, 0.0, 0.0];
         let mu = frame(&state, &Matrix3::new(0.0, 1.0, 0.1, -1.0, 0.0, 0.0, 0.0, 0.1, 1.0));
         let z = vec![0.4, -0.3, 0.8, 1.0, 0.2, 0.97];
-        let own = model.chain(&state).own(&z);
         // A field that explains the readings: where it does not, the weights move as well.
-        let field = mu.transpose().try_inverse().expect("axes") * Vector3::from(own);
+        let along = Vector3::from(own(&model.along(&state), &z));
+        let field = mu.transpose().try_inverse().expect("axes") * along;
         let spread = Spread { along: 1e-8, across: 3e-8, attitude: 2e-8, moments: 1 };
         let rows = |state: &State, mu: &Matrix3<f64>| {
-            let own = model.chain(state).own(&z);
+            let own = own(&model.along(state), &z);
             let moment = Moment { own, z: z.clone(), field, rotation: Matrix3::identity() };
             About::new(&model, state, mu, (0.5, false), spread).rows(&moment)
         };

@@ -26,7 +26,7 @@ use crate::factor::{Factor, compressed};
 use crate::fit::{FittedState, about};
 use crate::kalman::{Filter, Form, Memory};
 use crate::linear::{Linear, RANK_TOLERANCE, root};
-use crate::model::Model;
+use crate::model::{Model, own};
 use crate::read::Source;
 
 /// Exponents that are allowed for in sensors.
@@ -74,12 +74,10 @@ pub struct Groups {
     recordings: Vec<Vec<Group>>,
     /// Columns of a row that are residual and derivatives.
     columns: usize,
-    rows: f64,
+    pub rows: f64,
     /// Rows of a group, in the mean.
     each: f64,
-    /// Exponents that are allowed for.
     exponents: &'static [f64],
-    /// What may have memory.
     memories: &'static [Memory],
 }
 
@@ -129,20 +127,20 @@ impl Groups {
         let added = 0.5 * (found.sensor * inverse.trace() - found.reference) * unit;
         let share = if found.sensor > 0.0 { found.sensor / (found.sensor + found.reference) } else { 0.0 };
         let count = model.parameters.len();
-        let chain = model.chain(state);
+        let along = model.along(state);
         let by: Vec<Vec<f64>> =
             (0..count).map(|j| (0..slopes.nrows()).map(|k| slopes[(k, j)]).collect()).collect();
         let row = |_: usize, z: &mut [f64], products: &mut [f64]| -> Vec<f64> {
             let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
-            let own = chain.own(z);
+            let own = own(&along, z);
             (0..3).for_each(|axis| z[axis] -= share * residual * unit * own[axis] / state[axis]);
-            let read = z[model.terms.columns()];
-            z[model.terms.columns()] += (1.0 - share) * residual * unit;
-            let residual = residual * read / z[model.terms.columns()];
+            let read = z[model.terms.columns];
+            z[model.terms.columns] += (1.0 - share) * residual * unit;
+            let residual = residual * read / z[model.terms.columns];
             model.terms.fill(z, products);
             let derivative = |by: &Vec<f64>| products.iter().zip(by).map(|(value, by)| value * by).sum();
             // Observed less predicted: what is to be explained is −r.
-            std::iter::once(added / z[model.terms.columns()] - residual)
+            std::iter::once(added / z[model.terms.columns] - residual)
                 .chain(by.iter().map(derivative))
                 .chain([1.0])
                 .collect()
@@ -183,13 +181,9 @@ impl Groups {
         Self { recordings, columns, rows, each: 1.0, exponents: &EXPONENTS, memories }
     }
 
-    pub fn rows(&self) -> f64 {
-        self.rows
-    }
-
     /// The same of factors of the products, each of the rows between two moments; None for a few rows.
     pub fn of_factors(factors: &[([f64; 2], &Factor)], model: &Model, found: &FittedState) -> Option<Self> {
-        let all: u64 = factors.iter().map(|(_, factor)| factor.rows()).sum();
+        let all: u64 = factors.iter().map(|(_, factor)| factor.rows).sum();
         if all < LEAST as u64 {
             return None;
         }

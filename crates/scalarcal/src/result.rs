@@ -16,7 +16,7 @@ use crate::linear::{Linear, deviations, unit};
 use crate::model::{AXES, NINE, PAIRS, Parameter};
 use crate::solved::{Detail, Solved};
 use crate::weakest;
-use crate::{Error, Options, findings};
+use crate::{Error, Options, words};
 
 /// What shows all twelve parameters.
 const MORE_ATTITUDES: &str =
@@ -204,7 +204,7 @@ fn describe(document: &Document, solved: &Solved, detail: &Detail, options: &Opt
         unit: fields.iter().map(|field| field.normalize().into()).collect(),
         residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
     });
-    let findings = findings::of(solved, &scalar);
+    let findings = words::findings(solved, &scalar);
     scalar.findings.extend(findings);
     scalar
 }

@@ -7,33 +7,21 @@
 //! turned.
 
 mod answer;
-mod error;
 mod memory;
 mod partial;
 mod sample;
 mod windows;
 
-pub use self::partial::Partial;
+pub use self::partial::{Error, Partial};
 pub use answer::document;
-pub use error::Error;
 
-use ::partial::{Covered, Error as Fault};
+use ::partial::{Covered, Error as Fault, Series, Take};
+use common::{Axis, procedure};
 use physics::Unit;
 
-use crate::read::Source;
+use crate::read::{Source, columns, unit_of};
 use crate::terms::{ONE, Terms};
 use windows::Windows;
-
-/// Rows in the order of time; NaN where a reading is missing.
-#[derive(Clone, Copy, Debug)]
-pub struct Batch<'a> {
-    /// Times, s.
-    pub time_s: &'a [f64],
-    /// Outputs of the sensors x, y, z.
-    pub readings: [&'a [f64]; 3],
-    /// The magnitude of the field, nT.
-    pub magnitude_nt: &'a [f64],
-}
 
 /// Takes a piece of a series row by row.
 pub struct Statistics {
@@ -61,24 +49,6 @@ impl Statistics {
             last_s: f64::NEG_INFINITY,
             before: [f64::NAN; 3],
         }
-    }
-
-    /// Takes the next rows. What comes out does not depend on how the rows are cut into batches.
-    ///
-    /// # Errors
-    ///
-    /// Columns of unlike length, a time that is missing or does not rise.
-    pub fn push(&mut self, batch: &Batch<'_>) -> Result<(), Error> {
-        let expected = batch.time_s.len();
-        let columns = batch.readings.iter().chain([&batch.magnitude_nt]);
-        if let Some(odd) = columns.into_iter().find(|column| column.len() != expected) {
-            return Err(Fault::Lengths { found: odd.len(), expected }.into());
-        }
-        for row in 0..expected {
-            let readings = batch.readings.map(|column| column[row]);
-            self.take(batch.time_s[row], readings, batch.magnitude_nt[row])?;
-        }
-        Ok(())
     }
 
     fn take(&mut self, time_s: f64, readings: [f64; 3], magnitude_nt: f64) -> Result<(), Error> {
@@ -115,13 +85,66 @@ impl Statistics {
         self.partial.sample.take([time_s, x, y, z, magnitude_nt]);
         Ok(())
     }
+}
 
-    /// The piece.
-    pub fn finish(mut self) -> Partial {
+/// Sensors beside the magnitude of the field, in the columns of a table or a recording.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Columns;
+
+impl Series for Columns {
+    type Partial = Partial;
+    type Take = Statistics;
+    const PROCEDURE: &'static str = procedure::FREE_RUN;
+
+    fn begin(&self, there: &[String]) -> Result<(Vec<String>, Statistics), String> {
+        let has = |name: &String| there.contains(name);
+        let unit = unit_of(has).ok_or("`sensor_x_v`, `sensor_y_v`, `sensor_z_v` (or `_nt`)")?;
+        let ambient = Axis::ALL.map(|axis| format!("ambient_{axis}_nt"));
+        let reference = "reference_nt".to_string();
+        let (source, magnitude) = if has(&reference) {
+            (Source::Scalar, vec![reference])
+        } else if ambient.iter().all(has) {
+            (Source::Ambient, ambient.to_vec())
+        } else {
+            return Err("`reference_nt`, or `ambient_x_nt`, `ambient_y_nt`, `ambient_z_nt`".into());
+        };
+        let time = "time_s".to_string();
+        if !has(&time) {
+            return Err("`time_s`".into());
+        }
+        let names = std::iter::once(time).chain(columns(unit)).chain(magnitude).collect();
+        Ok((names, Statistics::new(unit, source)))
+    }
+}
+
+impl Take for Statistics {
+    type Partial = Partial;
+
+    /// What comes out does not depend on how the rows are cut into batches. NaN stands for a missing reading.
+    fn push(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
+        let [time_s, x, y, z, magnitude @ ..] = columns else {
+            let (found, expected) = (columns.len(), 5);
+            return Err(Fault::Lengths { found, expected }.into());
+        };
+        let expected = time_s.len();
+        if let Some(odd) = columns.iter().find(|column| column.len() != expected) {
+            return Err(Fault::Lengths { found: odd.len(), expected }.into());
+        }
+        for row in 0..expected {
+            let magnitude_nt = match magnitude {
+                [bx, by, bz] => bx[row].hypot(by[row]).hypot(bz[row]),
+                _ => magnitude[0][row],
+            };
+            self.take(time_s[row], [x[row], y[row], z[row]], magnitude_nt)?;
+        }
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<Partial, Error> {
         if self.taken > 0 {
             self.partial.covered = Covered::of(self.first_s, self.last_s);
         }
         self.partial.windows = self.windows.closed();
-        self.partial
+        Ok(self.partial)
     }
 }

@@ -19,8 +19,9 @@ pub const ONE: usize = 3;
 /// The products that are kept: z_f z_g for f ≤ g, z_ONE F, and F².
 #[derive(Clone, Debug, PartialEq)]
 pub struct Terms {
-    columns: usize,
-    pairs: Vec<[usize; 2]>,
+    /// How many columns z there are; F counts as the next.
+    pub columns: usize,
+    pub pairs: Vec<[usize; 2]>,
 }
 
 impl Terms {
@@ -31,17 +32,8 @@ impl Terms {
         Self { columns, pairs }
     }
 
-    /// How many columns z there are; F counts as the next.
-    pub fn columns(&self) -> usize {
-        self.columns
-    }
-
     pub fn count(&self) -> usize {
         self.pairs.len()
-    }
-
-    pub fn pairs(&self) -> &[[usize; 2]] {
-        &self.pairs
     }
 
     /// Where the product of two columns without F stands.
@@ -103,7 +95,7 @@ pub fn added_by_noise(terms: &Terms, variance: &[f64], moments: impl Fn(usize, u
             + product(g, h, f, k);
         six - weight * (s(f, g) * s(h, k) + s(f, h) * s(g, k) + s(f, k) * s(g, h))
     };
-    let pairs = terms.pairs();
+    let pairs = &terms.pairs;
     Mat::from_fn(pairs.len(), pairs.len(), |a, b| entry(pairs[a], pairs[b]))
 }
 
@@ -114,7 +106,7 @@ mod tests {
     #[test]
     fn places_are_those_of_the_pairs() {
         let terms = Terms::new(6);
-        for (place, [f, g]) in terms.pairs().iter().enumerate() {
+        for (place, [f, g]) in terms.pairs.iter().enumerate() {
             assert_eq!(terms.place(*f, *g), Some(place));
             assert_eq!(terms.place(*g, *f), Some(place));
         }
@@ -122,7 +114,7 @@ mod tests {
         let mut row = vec![0.0; terms.count()];
         let z = [0.3, -0.2, 0.9, 1.0, 7.0, -2.0, 0.5];
         terms.fill(&z, &mut row);
-        for ([f, g], value) in terms.pairs().iter().zip(row) {
+        for ([f, g], value) in terms.pairs.iter().zip(row) {
             assert!((value - z[*f] * z[*g]).abs() < 1e-15);
         }
     }

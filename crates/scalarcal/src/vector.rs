@@ -18,7 +18,7 @@ use physics::Basic;
 use physics::frames::ARCSEC;
 
 use crate::declared::declared_form;
-use crate::directions::{frame, turned};
+use crate::directions::{frame, nearest, turned};
 use crate::fit::FittedState;
 use crate::kalman::WHITE;
 use crate::known_field::Vectors;
@@ -26,7 +26,7 @@ use crate::linear::{Linear, RANK_TOLERANCE, root};
 use crate::model::{Model, Parameter};
 use crate::solved::{Detail, Solved};
 use crate::weakest;
-use crate::{Error, Options, axes};
+use crate::{Error, Options};
 
 /// Rounds in which parameters, directions and weights settle.
 const ROUNDS: usize = 3;
@@ -49,7 +49,7 @@ pub fn solve(
     let mut vectors = Vectors::read(document, detail.rows(solved.scales))?;
     let stated = Basic::found(document, solved.unit).mu;
     let start = vectors.start(&solved.model)?;
-    let axes = axes::nearest(&start.mu, &stated);
+    let axes = nearest(&start.mu, &stated);
     solved.scalar.findings.extend(axes.told());
     if start.inverse_rms < INVERSE * start.rms {
         solved.scalar.findings.push(
@@ -84,8 +84,8 @@ pub fn solve(
         vectors.share = if sensor > 0.0 { 1.0 - (sensor / spread.along).min(1.0) } else { 0.0 };
         let groups = vectors.groups(&solved.model, &solved.found.state, &mu, spread);
         let base = declared_form(document, Some(spread.along), &solved.scales);
-        let freedom = (groups.rows() - count as f64).max(1.0);
-        let linear = groups.linear(WHITE, spread.along * groups.rows() / freedom, true);
+        let freedom = (groups.rows - count as f64).max(1.0);
+        let linear = groups.linear(WHITE, spread.along * groups.rows / freedom, true);
         let Some(linear) = linear else { break };
         let all = linear.and(&solved.known.about(&solved.found.state));
         let svd = all.svd()?;

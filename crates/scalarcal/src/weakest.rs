@@ -8,7 +8,7 @@ use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::design::Rows;
 use crate::directions::unmixed;
-use crate::model::{AXES, Model, State};
+use crate::model::{AXES, Model, State, own};
 use crate::terms::ONE;
 
 /// Rows that stand for all when further rotations are tried.
@@ -31,9 +31,10 @@ pub fn directions(
 ) -> Vec<(usize, usize, Vector3<f64>)> {
     let all: Vec<(usize, usize)> = rows.places().collect();
     let step = all.len().div_ceil(SAMPLE).max(1);
-    let (unmix, chain) = (unmixed(mu), model.chain(state));
-    let of =
-        |(number, row): (usize, usize)| (number, row, unmix * Vector3::from(chain.own(&rows.z(number, row))));
+    let (unmix, along) = (unmixed(mu), model.along(state));
+    let of = |(number, row): (usize, usize)| {
+        (number, row, unmix * Vector3::from(own(&along, &rows.z(number, row))))
+    };
     all.into_iter().step_by(step).map(of).collect()
 }
 
@@ -133,7 +134,7 @@ fn information_of(
     mu: &Matrix3<f64>,
 ) -> Option<Mat<f64>> {
     let slopes = model.slopes(state)?;
-    let columns = model.terms.columns();
+    let columns = model.terms.columns;
     let (mut z, mut products) = (vec![0.0; columns + 1], vec![0.0; model.terms.count()]);
     let mut information = Mat::zeros(slopes.ncols(), slopes.ncols());
     for field in fields {

@@ -5,14 +5,11 @@ use common::{Axis, Column, Noise, Recording};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use noise::{NoiseError, Stream};
 use physics::frames::{ARCSEC, small_rotation};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What is read and written aboard.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Aboard {
-    /// Sensors.
     pub sensors: Vec<Axis>,
     /// Whether a scalar magnetometer reads beside.
     pub scalar: bool,
@@ -22,7 +19,7 @@ pub struct Aboard {
 
 /// Errors of a field model and of a star sensor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct KnownField {
     /// What each component of the model errs by, GEO.
@@ -63,7 +60,6 @@ pub fn write(
     Ok(())
 }
 
-/// The columns of an attitude.
 pub fn attitude_columns(attitude: &[UnitQuaternion<f64>]) -> Vec<(String, Column)> {
     let part = |name: &str, of: &dyn Fn(&UnitQuaternion<f64>) -> f64| {
         (format!("attitude_{name}"), attitude.iter().map(of).collect())
@@ -71,7 +67,6 @@ pub fn attitude_columns(attitude: &[UnitQuaternion<f64>]) -> Vec<(String, Column
     vec![part("w", &|q| q.w), part("x", &|q| q.i), part("y", &|q| q.j), part("z", &|q| q.k)]
 }
 
-/// The quaternion of a rotation.
 fn quaternion(rotation: &Matrix3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation))
 }

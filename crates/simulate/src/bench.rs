@@ -2,15 +2,15 @@
 
 use common::number::bare;
 use common::range::{SCALAR_MARGIN, SCALAR_NT};
-use common::{Axis, Conditions, Document, Error, Facility};
-use nalgebra::{Matrix3, Vector3};
+use common::{Axis, Conditions, Document, Error, Facility, Noise};
+use nalgebra::{Matrix3, Rotation3, Vector3};
 use noise::Stream;
 use physics::Basic;
 use physics::frames::{self, ARCSEC};
 
 use crate::differential::DifferentialTruth;
 use crate::outside::OutsidePlan;
-use crate::planned::Step;
+use crate::planned::{Planned, Reads, Rows, Step};
 use crate::timing::Timing;
 
 /// Rows that a campaign may have in all its recordings together.
@@ -18,15 +18,11 @@ pub const MOST_ROWS: f64 = 5e7;
 
 /// What the operator knows and has.
 pub struct Bench<'a> {
-    /// Seed of all noise.
     pub seed: u64,
     /// When the campaign begins, where that is planned.
     pub start: Option<&'a str>,
-    /// How long things take.
     pub timing: &'a Timing,
-    /// The natural field outside, where there is one.
     pub outside: Option<&'a OutsidePlan>,
-    /// The two magnetometers of a differential recording, where there are two.
     pub differential: Option<&'a DifferentialTruth>,
     /// What the document will state of facility, instrument and calibration.
     pub document: &'a Document,
@@ -37,52 +33,39 @@ pub struct Bench<'a> {
 }
 
 impl Bench<'_> {
-    /// The facility as it is stated.
     pub fn facility(&self) -> Option<&Facility> {
         self.document.facility.as_ref()
     }
 
     /// The sensors of a procedure: its own, else the instrument's, else all.
     pub fn sensors(&self, own: &Option<Vec<Axis>>, path: &str) -> Result<Vec<Axis>, Error> {
-        if own.as_ref().is_some_and(Vec::is_empty) {
-            return Err(Error::document(format!("{path}.sensors"), "an empty list", "at least one sensor"));
+        let instrument = self.document.instrument.as_ref().and_then(|instrument| instrument.sensors.as_ref());
+        for (path, list) in [(path, own.as_ref()), ("instrument", instrument)] {
+            list.map_or(Ok(()), |list| filled(path, "sensors", list, "at least one sensor"))?;
         }
-        let instrument = self.document.instrument.as_ref().and_then(|instrument| instrument.sensors.clone());
-        if instrument.as_ref().is_some_and(Vec::is_empty) {
-            return Err(Error::document("instrument.sensors", "an empty list", "at least one sensor"));
-        }
-        Ok(own.clone().or(instrument).unwrap_or_else(|| Axis::ALL.to_vec()))
+        Ok(own.as_ref().or(instrument).map_or(Axis::ALL.to_vec(), Vec::clone))
     }
 
     /// The currents that the operator sets for a field along each coil, nT -> A.
     pub fn currents(&self, field_nt: Vector3<f64>) -> Vector3<f64> {
         Vector3::from_fn(|c, _| {
             let coil = &self.stated.coils[c];
-            if coil.constant_nt_per_a == 0.0 {
-                0.0
-            } else {
-                (field_nt[c] - coil.offset_nt) / coil.constant_nt_per_a
-            }
+            let current = (field_nt[c] - coil.offset_nt) / coil.constant_nt_per_a;
+            if coil.constant_nt_per_a == 0.0 { 0.0 } else { current }
         })
     }
 
     /// The coil has a constant, and makes no more than the facility says.
     pub fn within(&self, coil: Axis, field_nt: f64, path: &str) -> Result<(), Error> {
         if field_nt != 0.0 && self.stated.coils[coil.index()].constant_nt_per_a == 0.0 {
-            return Err(Error::document(
-                path,
-                format!("a drive of coil {coil}, whose constant is not stated"),
-                format!("calibration.coils.{coil}.constant_nt_per_a in the plan"),
-            ));
+            let found = format!("a drive of coil {coil}, whose constant is not stated");
+            let expected = format!("calibration.coils.{coil}.constant_nt_per_a in the plan");
+            return Err(Error::document(path, found, expected));
         }
-        match self.max_nt(coil).filter(|max| field_nt.abs() > *max) {
-            Some(max) => Err(Error::document(
-                path,
-                format!("{} nT on coil {coil}", bare(field_nt.abs())),
-                format!("at most {max} nT, which is what facility.coils.{coil}.max_nt allows"),
-            )),
-            None => Ok(()),
-        }
+        let Some(max) = self.max_nt(coil).filter(|max| field_nt.abs() > *max) else { return Ok(()) };
+        let found = format!("{} nT on coil {coil}", bare(field_nt.abs()));
+        let expected = format!("at most {max} nT, which is what facility.coils.{coil}.max_nt allows");
+        Err(Error::document(path, found, expected))
     }
 
     /// The scalar magnetometer reads such a field: `coilcal` refuses readings beyond its range.
@@ -92,11 +75,10 @@ impl Bench<'_> {
         if (low * (1.0 - SCALAR_MARGIN)..=high * (1.0 + SCALAR_MARGIN)).contains(&field_nt) {
             return Ok(());
         }
-        Err(Error::document(
-            path,
-            format!("{field_nt} nT, which the scalar magnetometer does not read"),
-            format!("{low} to {high} nT; another magnetometer's range is `facility.reference_range_nt`"),
-        ))
+        let found = format!("{field_nt} nT, which the scalar magnetometer does not read");
+        let expected =
+            format!("{low} to {high} nT; another magnetometer's range is `facility.reference_range_nt`");
+        Err(Error::document(path, found, expected))
     }
 
     /// The largest field of a coil, nT, where it is stated.
@@ -121,8 +103,7 @@ impl Bench<'_> {
         nominal = turn(sensor, quarter_turns) * nominal;
         let from = nominal * self.truth.eta.column(coil.index());
         let to = self.truth.mu.column(sensor.index()).into_owned();
-        let between =
-            nalgebra::Rotation3::rotation_between(&from, &to).unwrap_or_else(nalgebra::Rotation3::identity);
+        let between = Rotation3::rotation_between(&from, &to).unwrap_or_else(Rotation3::identity);
         let mut stream = Stream::new(self.seed, &format!("{id}/fixture"));
         let missed = self.random(&mut stream, alignment_arcmin * 60.0 * ARCSEC);
         let rotation = frames::small_rotation(&missed) * between.into_inner() * nominal;
@@ -134,7 +115,8 @@ impl Bench<'_> {
             orientation: Some(frames::rows(&read)),
             ..Conditions::default()
         };
-        Aligned { conditions, rotation, nominal }
+        let rows = Rows::new(format!("sensor {sensor} along coil {coil}"), self.timing.orientation_s);
+        Aligned { sensor, conditions, rotations: [rotation, nominal], rows }
     }
 
     /// Standard deviation of one theodolite reading with what it has in common with others, arcsec.
@@ -150,27 +132,14 @@ impl Bench<'_> {
 
     /// Readings at one drive, after the field has settled.
     pub fn set(&self, action: String, field_nt: Vector3<f64>, readings: usize) -> Step {
-        let timing = self.timing;
-        Step {
-            action,
-            current_a: self.currents(field_nt),
-            temperatures_c: None,
-            wait_s: timing.field_settle_s,
-            readings,
-            length_s: readings as f64 * timing.reading_s,
-        }
+        let (wait_s, length_s) = (self.timing.field_settle_s, readings as f64 * self.timing.reading_s);
+        Step { current_a: self.currents(field_nt), ..Step::still(action, wait_s, readings, length_s) }
     }
 
     /// A series without drive.
     pub fn record(&self, action: String, length_s: f64, step_s: f64) -> Step {
-        Step {
-            action,
-            current_a: Vector3::zeros(),
-            temperatures_c: None,
-            wait_s: self.timing.field_settle_s,
-            readings: (length_s / step_s).round() as usize,
-            length_s,
-        }
+        let readings = (length_s / step_s).round() as usize;
+        Step::still(action, self.timing.field_settle_s, readings, length_s)
     }
 }
 
@@ -194,38 +163,54 @@ fn turn(axis: Axis, quarters: f64) -> Matrix3<f64> {
 
 /// A sensor along a coil.
 pub struct Aligned {
+    sensor: Axis,
     /// Sensor, coil and the orientation as the theodolites read it.
-    pub conditions: Conditions,
-    /// The orientation as it is.
-    pub rotation: Matrix3<f64>,
-    /// The orientation as the operator sets it.
-    pub nominal: Matrix3<f64>,
+    conditions: Conditions,
+    /// The orientation as it is, and as the operator sets it.
+    rotations: [Matrix3<f64>; 2],
+    /// Rows that begin when it is there.
+    pub rows: Rows,
 }
 
-/// Refuses what is not a positive number.
-pub fn positive(path: &str, key: &str, value: f64) -> Result<(), Error> {
-    if value.is_finite() && value > 0.0 {
-        Ok(())
-    } else {
-        Err(Error::document(format!("{path}.{key}"), value.to_string(), "a positive number"))
+impl Aligned {
+    /// The recording of the sensor with what was driven on these coils.
+    pub fn recording(self, procedure: &str, id: String, path: &str, coils: &[Axis]) -> Planned {
+        let [rotation, nominal] = self.rotations;
+        Planned {
+            rotation,
+            nominal,
+            reads: Reads::Sensors(vec![self.sensor]),
+            ..Planned::new(procedure, id, path, self.conditions, self.rows, coils)
+        }
     }
+}
+
+/// Refuses what is not a positive number, by its key.
+pub fn positive<const COUNT: usize>(path: &str, values: [(&str, f64); COUNT]) -> Result<(), Error> {
+    values.into_iter().try_for_each(|(key, value)| {
+        held(value.is_finite() && value > 0.0, path, key, value.to_string(), "a positive number")
+    })
 }
 
 /// Refuses a list without content.
-pub fn filled<T>(path: &str, key: &str, list: &[T]) -> Result<(), Error> {
-    if list.is_empty() {
-        return Err(Error::document(format!("{path}.{key}"), "an empty list", "at least one entry"));
-    }
-    Ok(())
+pub fn filled<T>(path: &str, key: &str, list: &[T], expected: &str) -> Result<(), Error> {
+    held(!list.is_empty(), path, key, "an empty list", expected)
 }
 
 /// Refuses a negative standard deviation.
 pub fn deviation(path: &str, key: &str, value: f64) -> Result<(), Error> {
-    if value >= 0.0 {
-        Ok(())
-    } else {
-        Err(Error::document(format!("{path}.{key}"), "a negative number", "a standard deviation"))
-    }
+    held(value >= 0.0, path, key, "a negative number", "a standard deviation")
+}
+
+/// Refuses an exponent of which no noise can be made.
+pub fn exponent(path: &str, noise: &Noise) -> Result<(), Error> {
+    let exponent = noise.flicker_exponent.unwrap_or(1.0);
+    let expected = "an exponent from 0 (white) to 2 (random walk)";
+    held((0.0..=2.0).contains(&exponent), path, "flicker_exponent", exponent.to_string(), expected)
+}
+
+fn held(holds: bool, path: &str, key: &str, found: impl Into<String>, expected: &str) -> Result<(), Error> {
+    if holds { Ok(()) } else { Err(Error::document(format!("{path}.{key}"), found, expected)) }
 }
 
 /// Samples of a series; refuses too few and too many.

@@ -6,10 +6,11 @@ use nalgebra::Vector3;
 use physics::{Basic, EffectInstance, References, Unit, frames};
 use std::collections::HashSet;
 
-use crate::bench::{Bench, MOST_ROWS, positive};
+use crate::bench::{Bench, MOST_ROWS, exponent, positive};
+use crate::differential::DifferentialTruth;
 use crate::make::{self, World};
+use crate::outside::OutsidePlan;
 use crate::plan::{CalibrationPart, DriveRecord, Plan, TruthPlan};
-use crate::planned::Planned;
 use crate::schedule::{Scheduled, schedule};
 use crate::timing::Timing;
 use crate::truth::{Electrical, TrueOrientation, Truth, true_calibration};
@@ -26,16 +27,15 @@ pub struct Campaign {
 /// Everything that is decided before the first reading.
 pub struct Prepared {
     /// What the document states, without recordings.
-    pub document: Document,
+    document: Document,
     /// The same with what is true instead, exact.
-    pub true_document: Document,
+    true_document: Document,
     /// The true chain.
-    pub basic: Basic,
+    basic: Basic,
     /// The effects that act.
-    pub effects: Vec<EffectInstance>,
+    effects: Vec<EffectInstance>,
     /// Unit of the readings.
-    pub unit: Unit,
-    /// The recordings in time.
+    unit: Unit,
     pub scheduled: Vec<Scheduled>,
 }
 
@@ -44,28 +44,17 @@ pub struct Prepared {
 /// The operator sets the currents by what the plan states; the field, the readings and their errors
 /// follow from what is true. Errors name the place in the plan.
 pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
-    let Prepared { mut document, mut true_document, basic, effects, unit, scheduled } = prepare(plan)?;
-    let mut written = Vec::with_capacity(scheduled.len());
+    let Prepared { mut document, mut true_document, basic, effects, unit, mut scheduled } = prepare(plan)?;
     let mut orientations = Vec::with_capacity(scheduled.len());
-    for Scheduled { planned, clock_s, local_s, .. } in scheduled {
-        let Planned { mut recording, rotation, path, reads, surroundings, amplification, outside, .. } =
-            planned;
-        orientations
-            .push(TrueOrientation { recording: recording.id.clone(), orientation: frames::rows(&rotation) });
+    for Scheduled { planned, .. } in &mut scheduled {
+        let orientation = frames::rows(&planned.rotation);
+        let conditions = planned.recording.conditions.clone();
+        let left = Recording { conditions, ..Recording::default() };
+        let mut recording = std::mem::replace(&mut planned.recording, left);
         // What theodolites read of an orientation is not what it is: the true chain gets it exactly.
-        let conditions = recording.conditions.clone();
         recording.conditions.theodolite = None;
-        recording.conditions.orientation = Some(frames::rows(&rotation));
-        written.push(make::Written {
-            conditions,
-            path,
-            reads,
-            surroundings,
-            amplification,
-            outside,
-            clock_s,
-            local_s,
-        });
+        recording.conditions.orientation = Some(orientation);
+        orientations.push(TrueOrientation { recording: recording.id.clone(), orientation });
         true_document.recordings.push(recording);
     }
     true_document.check()?;
@@ -79,7 +68,7 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         DriveRecord::Current => None,
         DriveRecord::Voltage => Some(Electrical::draw(plan)?),
     };
-    let wander = make::wander(plan, &set, &written)?;
+    let wander = make::wander(plan, &set, &scheduled)?;
     let world = World {
         plan,
         document: &true_document,
@@ -92,7 +81,7 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         electrical: electrical.as_ref(),
         wander: wander.iter().map(|wander| (wander.recording.clone(), wander.offset_nt)).collect(),
     };
-    document.recordings = world.recordings(set, &written)?;
+    document.recordings = world.recordings(set, &scheduled)?;
     let truth = Truth {
         fluxcal: FORMAT_VERSION,
         seed: plan.seed,
@@ -191,41 +180,36 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
 
 /// Every noise of the plan can be made.
 fn check_noise(plan: &Plan) -> Result<(), Error> {
-    let mut all: Vec<(String, &Noise)> = Vec::new();
-    let outside = plan.truth.outside.as_ref();
-    for axis in Axis::ALL {
-        let instrument = plan.instrument.as_ref().and_then(|instrument| instrument.noise_of(axis));
-        all.extend(instrument.map(|noise| ("instrument.noise".to_string(), noise)));
-    }
-    let of_outside = outside.map(|outside| {
-        let unrest = outside.storm.as_ref().and_then(|storm| storm.unrest.as_ref());
+    let TruthPlan { outside, site, offset_wander, differential, .. } = &plan.truth;
+    let instrument = |axis| plan.instrument.as_ref()?.noise_of(axis);
+    let of_outside = |of: fn(&OutsidePlan) -> Option<&Noise>| outside.as_ref().and_then(of);
+    let of_two = |of: fn(&DifferentialTruth) -> Option<&Noise>| differential.as_ref().and_then(of);
+    let mut all: Vec<(String, Option<&Noise>)> =
+        Axis::ALL.map(|axis| ("instrument.noise".into(), instrument(axis))).into();
+    let named = |(path, noise): (&str, _)| (format!("truth.{path}"), noise);
+    all.extend(
         [
-            ("background", outside.background.as_ref()),
-            ("station", outside.station.as_ref()),
-            ("storm.unrest", unrest),
+            ("outside.background", of_outside(|outside| outside.background.as_ref())),
+            ("outside.station", of_outside(|outside| outside.station.as_ref())),
+            ("outside.storm.unrest", of_outside(|outside| outside.storm.as_ref()?.unrest.as_ref())),
         ]
-    });
-    for (key, noise) in of_outside.into_iter().flatten() {
-        all.extend(noise.map(|noise| (format!("truth.outside.{key}"), noise)));
-    }
-    for (site, noise) in plan.truth.site.iter().flat_map(|site| site.all()) {
-        all.push((format!("truth.site.{}.noise", site.name()), &noise.noise));
-    }
-    all.extend(plan.truth.offset_wander.iter().map(|noise| ("truth.offset_wander".to_string(), noise)));
-    let reference = plan.truth.differential.as_ref().and_then(|two| two.reference_noise.as_ref());
-    all.extend(reference.map(|noise| ("truth.differential.reference_noise".to_string(), noise)));
-    let third = plan.truth.differential.as_ref().and_then(|two| two.third.as_ref()?.noise.as_ref());
-    all.extend(third.map(|noise| ("truth.differential.third.noise".to_string(), noise)));
+        .map(named),
+    );
+    let of_site = site.iter().flat_map(|site| site.all());
+    all.extend(of_site.map(|(site, of)| (format!("truth.site.{}.noise", site.name()), Some(&of.noise))));
+    all.extend(
+        [
+            ("offset_wander", offset_wander.as_ref()),
+            ("differential.reference_noise", of_two(|two| two.reference_noise.as_ref())),
+            ("differential.third.noise", of_two(|two| two.third.as_ref()?.noise.as_ref())),
+        ]
+        .map(named),
+    );
     for (path, noise) in all {
-        let exponent = noise.flicker_exponent.unwrap_or(1.0);
-        if !(0.0..=2.0).contains(&exponent) {
-            let expected = "an exponent from 0 (white) to 2 (random walk)";
-            return Err(Error::document(format!("{path}.flicker_exponent"), exponent.to_string(), expected));
-        }
+        noise.map_or(Ok(()), |noise| exponent(&path, noise))?;
     }
-    if let Some(storm) = outside.and_then(|outside| outside.storm.as_ref()) {
-        positive("truth.outside.storm", "growth_s", storm.growth_s)?;
-        positive("truth.outside.storm", "recovery_s", storm.recovery_s)?;
+    if let Some(storm) = outside.as_ref().and_then(|outside| outside.storm.as_ref()) {
+        positive("truth.outside.storm", [("growth_s", storm.growth_s), ("recovery_s", storm.recovery_s)])?;
     }
     Ok(())
 }
@@ -240,14 +224,11 @@ fn check_timing(timing: &Timing) -> Result<(), Error> {
         ("reversal_s", timing.reversal_s),
     ] {
         if !(value.is_finite() && value >= 0.0) {
-            return Err(Error::document(
-                format!("timing.{key}"),
-                value.to_string(),
-                "a time that is not negative",
-            ));
+            let expected = "a time that is not negative";
+            return Err(Error::document(format!("timing.{key}"), value.to_string(), expected));
         }
     }
-    positive("timing", "reading_s", timing.reading_s)
+    positive("timing", [("reading_s", timing.reading_s)])
 }
 
 /// An effect that follows a column has it in some recording.
@@ -256,11 +237,8 @@ fn check_columns(effects: &[EffectInstance], scheduled: &[Scheduled]) -> Result<
         let Some(column) = &effect.column else { continue };
         if !scheduled.iter().any(|scheduled| make::holds(&scheduled.planned.recording, column)) {
             let path = format!("truth.model.effects[{index}].column");
-            return Err(Error::document(
-                path,
-                format!("\"{column}\""),
-                "a column that one of the recordings has",
-            ));
+            let expected = "a column that one of the recordings has";
+            return Err(Error::document(path, format!("\"{column}\""), expected));
         }
     }
     Ok(())

@@ -3,13 +3,11 @@
 use common::{DifferentialCalibration, Error, Matrix3x3, Noise, PerAxis, Quantity};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Axes and scales of the two magnetometers.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DifferentialTruth {
     /// The reference.
@@ -29,7 +27,7 @@ pub struct DifferentialTruth {
 
 /// A third instrument beside the two.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ThirdTruth {
     /// Its axes and scales.
@@ -44,7 +42,7 @@ pub struct ThirdTruth {
 
 /// The reference: x and y in the horizontal plane, y the y of the frame; angles in deg.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReferenceAxes {
     /// α: from y to the horizontal part of z.
@@ -63,7 +61,7 @@ pub struct ReferenceAxes {
 
 /// The test instrument: axis j is (sin φ sin θ, cos φ sin θ, cos θ), angles in deg.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TestAxes {
     /// φ of x, y, z; nominally 90, 0, any.

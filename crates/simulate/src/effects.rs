@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use common::{Error, to_text};
-use physics::{Acts, Family, Kind, ParameterInfo, Role};
-use serde::Serialize;
+use physics::{About, Acts, Family, Kind, ParameterInfo, Role};
+use serde_json::{Value, json};
 
 /// How the catalogue is laid out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
@@ -15,31 +15,6 @@ pub enum Layout {
     Json,
     /// The page in docs/.
     Markdown,
-}
-
-#[derive(Serialize)]
-struct Entry {
-    effect: &'static str,
-    title: &'static str,
-    physics: &'static str,
-    equation: &'static str,
-    source: &'static str,
-    family: &'static str,
-    place: &'static str,
-    acts_on: &'static str,
-    parameters: Vec<Parameter>,
-    needs: &'static [&'static str],
-    invertible: bool,
-}
-
-#[derive(Serialize)]
-struct Parameter {
-    name: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    plausible: Option<[f64; 2]>,
-    role: &'static str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    absent: Option<f64>,
 }
 
 /// The effects of that name, or all, in a layout.
@@ -55,27 +30,38 @@ pub fn catalogue(name: Option<&str>, layout: Layout) -> Result<String, Error> {
     })
 }
 
-fn entry(kind: Kind) -> Entry {
+fn entry(kind: Kind) -> Value {
     let about = kind.about();
-    let parameter = |info: &ParameterInfo| Parameter {
-        name: info.name,
-        plausible: (!info.is_moment()).then_some([info.low, info.high]),
-        role: role(info.role),
-        absent: info.absent,
+    json!({
+        "effect": about.name,
+        "title": about.title,
+        "physics": about.physics,
+        "equation": about.equation,
+        "source": about.source,
+        "family": about.family.word(),
+        "place": about.place.word(),
+        "acts_on": acts_on(about.acts),
+        "parameters": about.parameters.iter().map(parameter).collect::<Vec<Value>>(),
+        "needs": about.needs,
+        "invertible": kind.invertible(),
+    })
+}
+
+fn parameter(info: &ParameterInfo) -> Value {
+    let role = match info.role {
+        Role::Amplitude => "amplitude",
+        Role::Shape => "shape",
+        Role::Epoch => "epoch",
     };
-    Entry {
-        effect: about.name,
-        title: about.title,
-        physics: about.physics,
-        equation: about.equation,
-        source: about.source,
-        family: about.family.word(),
-        place: about.place.word(),
-        acts_on: acts_on(about.acts),
-        parameters: about.parameters.iter().map(parameter).collect(),
-        needs: about.needs,
-        invertible: kind.invertible(),
+    let mut all = json!({"name": info.name});
+    if !info.is_moment() {
+        all["plausible"] = json!([info.low, info.high]);
     }
+    all["role"] = role.into();
+    if let Some(absent) = info.absent {
+        all["absent"] = absent.into();
+    }
+    all
 }
 
 fn acts_on(acts: Acts) -> &'static str {
@@ -87,42 +73,33 @@ fn acts_on(acts: Acts) -> &'static str {
     }
 }
 
-fn role(role: Role) -> &'static str {
-    match role {
-        Role::Amplitude => "amplitude",
-        Role::Shape => "shape",
-        Role::Epoch => "epoch",
-    }
+fn of(kinds: &[Kind], family: Family) -> impl Iterator<Item = Kind> {
+    family.members().filter(|kind| kinds.contains(kind))
 }
 
-fn of(kinds: &[Kind], family: Family) -> impl Iterator<Item = Entry> {
-    family.members().filter(|kind| kinds.contains(kind)).map(entry)
-}
-
-fn plausible(parameter: &Parameter) -> String {
-    let sizes = match parameter.plausible {
-        Some([low, high]) => format!("{low} to {high}"),
-        None => "(of the recording)".into(),
+/// The parameters with their plausible sizes, each name between two marks.
+fn parameters(about: &About, mark: &str, between: &str) -> String {
+    let one = |info: &ParameterInfo| {
+        let sizes = (!info.is_moment()).then(|| format!("{} to {}", info.low, info.high));
+        let sizes = sizes.unwrap_or("(of the recording)".into());
+        let absent = info.absent.map(|value| format!(" ({value} where it is not given)")).unwrap_or_default();
+        format!("{mark}{}{mark} {sizes}{absent}", info.name)
     };
-    match parameter.absent {
-        Some(value) => format!("{sizes} ({value} where it is not given)"),
-        None => sizes,
-    }
+    about.parameters.iter().map(one).collect::<Vec<String>>().join(between)
 }
 
 fn table(kinds: &[Kind]) -> String {
     let mut text = String::new();
     for family in Family::ALL {
-        for (number, entry) in of(kinds, family).enumerate() {
+        for (number, kind) in of(kinds, family).enumerate() {
             if number == 0 {
                 text += &format!("{}\n", family.word());
             }
-            let parameter = |parameter: &Parameter| format!("{} {}", parameter.name, plausible(parameter));
-            let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
-            text += &format!("  {}: {}\n", entry.effect, entry.title);
-            text += &format!("      {}\n", entry.equation);
-            text += &format!("      {}\n", parameters.join("; "));
-            text += &format!("      {}\n", entry.source);
+            let about = kind.about();
+            text += &format!("  {}: {}\n", about.name, about.title);
+            for line in [about.equation, &parameters(about, "", "; "), about.source] {
+                text += &format!("      {line}\n");
+            }
         }
     }
     text
@@ -132,31 +109,26 @@ fn markdown(kinds: &[Kind]) -> String {
     let mut text = String::from(HEAD);
     for family in Family::ALL {
         let heading = capital(&family.word().replace('_', " "));
-        text += &format!(
-            "\n## {heading}\n\n{} (`{}`). {}\n",
-            capital(family.title()),
-            family.word(),
-            family.told_apart_by()
-        );
-        for entry in of(kinds, family) {
-            text += &format!("\n### `{}`\n\n{}. {}\n\n", entry.effect, capital(entry.title), entry.physics);
-            text += &format!("```text\n{}\n```\n\n", entry.equation);
-            let key = match entry.acts_on {
+        let (title, apart) = (capital(family.title()), family.told_apart_by());
+        text += &format!("\n## {heading}\n\n{title} (`{}`). {apart}\n", family.word());
+        for kind in of(kinds, family) {
+            let About { name, title, physics, equation, source, place, acts, needs, .. } = kind.about();
+            text += &format!("\n### `{name}`\n\n{}. {physics}\n\n", capital(title));
+            text += &format!("```text\n{equation}\n```\n\n");
+            let key = match acts_on(*acts) {
                 "all" => "nothing".to_string(),
                 key => format!("`{key}`"),
             };
-            let parameter = |parameter: &Parameter| format!("`{}` {}", parameter.name, plausible(parameter));
-            let parameters: Vec<String> = entry.parameters.iter().map(parameter).collect();
-            text +=
-                &format!("- Of the {}. Takes {key}; parameters {}.\n", entry.place, parameters.join(", "));
-            if !entry.needs.is_empty() {
-                let needs: Vec<String> = entry.needs.iter().map(|need| code(need)).collect();
+            let parameters = parameters(kind.about(), "`", ", ");
+            text += &format!("- Of the {}. Takes {key}; parameters {parameters}.\n", place.word());
+            if !needs.is_empty() {
+                let needs: Vec<String> = needs.iter().map(|need| code(need)).collect();
                 text += &format!("- Needs {}.\n", needs.join(", "));
             }
-            if !entry.invertible {
+            if !kind.invertible() {
                 text += "- Has no inverse: many fields give one reading.\n";
             }
-            text += &format!("- Source: {}.\n", entry.source);
+            text += &format!("- Source: {source}.\n");
         }
     }
     text

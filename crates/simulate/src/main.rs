@@ -133,7 +133,9 @@ fn main() -> ExitCode {
         Command::Campaign(args) => campaign(&args),
         Command::Replay(args) => replay(&args),
         Command::Sweep(args) => sweep(&args),
-        Command::Effects { effect, layout } => effects(effect.as_deref(), layout),
+        Command::Effects { effect, layout } => simulate::catalogue(effect.as_deref(), layout)
+            .and_then(|text| pipe::write(None, &text))
+            .map_err(Into::into),
     };
     pipe::finish(PROGRAM, result)
 }
@@ -241,10 +243,6 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     documents.finish()?;
     say(io, &counted(written, "document"));
     Ok(())
-}
-
-fn effects(effect: Option<&str>, layout: Layout) -> anyhow::Result<()> {
-    Ok(pipe::write(None, &simulate::catalogue(effect, layout)?)?)
 }
 
 /// What is written is not what is read, and the truth never goes into the document.

@@ -1,41 +1,21 @@
 //! From what is set to what is read: the chain, the world around, noise and codes.
 
-use common::{Axis, Column, Conditions, Document, Error, Noise, Recording, procedure};
+use common::{Axis, Column, Document, Error, Noise, Recording, procedure};
 use nalgebra::Vector3;
 use noise::NoiseError;
-use physics::{Basic, Context, EffectInstance, Kind, References, Unit};
+use physics::{Basic, Context, EffectInstance, Kind, Prediction, References, Unit};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
 use crate::aboard;
-use crate::outside::Moments;
+use crate::outside::{Moments, by_axis};
 use crate::plan::Plan;
-use crate::planned::{Reads, Surroundings};
+use crate::planned::{Planned, Reads, Surroundings};
+use crate::schedule::Scheduled;
 use crate::truth::{Electrical, Wander};
-
-/// What of a recording is not in the true document.
-pub struct Written {
-    /// As the document states them.
-    pub conditions: Conditions,
-    /// JSON path in the plan.
-    pub path: String,
-    /// What is read.
-    pub reads: Reads,
-    /// Where it is made.
-    pub surroundings: Surroundings,
-    /// What a code of the converter is divided by.
-    pub amplification: f64,
-    /// Whether the natural field outside is recorded beside.
-    pub outside: bool,
-    /// Its zero on the campaign's clock, s.
-    pub clock_s: f64,
-    /// Its zero on the local clock.
-    pub local_s: Option<f64>,
-}
 
 /// What is true for all recordings.
 pub struct World<'a> {
-    /// The plan.
     pub plan: &'a Plan,
     /// What is true of facility and calibration; its recordings without columns.
     pub document: &'a Document,
@@ -45,13 +25,11 @@ pub struct World<'a> {
     pub effects: &'a [EffectInstance],
     /// Unit of the readings.
     pub unit: Unit,
-    /// Reference temperatures.
     pub references: References,
     /// Field left in the coils, GEO.
     pub residual_field_nt: Vector3<f64>,
     /// Field left in the shield, SEN.
     pub shield_field_nt: Vector3<f64>,
-    /// Errors of resistors and voltmeter.
     pub electrical: Option<&'a Electrical>,
     /// What is added to the offset, nT, by recording.
     pub wander: HashMap<String, f64>,
@@ -62,30 +40,28 @@ type Read = Vec<(String, Vec<f64>)>;
 
 impl World<'_> {
     /// All recordings, with their readings. The first fault in the plan's order is the one that is told.
-    pub fn recordings(&self, set: Vec<Recording>, written: &[Written]) -> Result<Vec<Recording>, Error> {
+    pub fn recordings(&self, set: Vec<Recording>, written: &[Scheduled]) -> Result<Vec<Recording>, Error> {
         let made: Vec<Result<Recording, Error>> =
             set.into_par_iter().zip(written).map(|(set, written)| self.recording(set, written)).collect();
         made.into_iter().collect()
     }
 
     /// One recording: what is set is made true, the chain predicts, and what is written is put in its place.
-    fn recording(&self, mut set: Recording, written: &Written) -> Result<Recording, Error> {
-        let failed = |error: NoiseError| {
-            let expected = "exponents from 0 to 2, and times without such gaps";
-            Error::document(written.path.clone(), error.to_string(), expected)
-        };
+    fn recording(&self, mut set: Recording, written: &Scheduled) -> Result<Recording, Error> {
+        let Planned { path, outside, reads, .. } = &written.planned;
+        let failed = |error: NoiseError| disorder(error, path);
         let natural = self.natural(&set, written).map_err(failed)?;
-        if written.outside && natural.is_none() {
+        if *outside && natural.is_none() {
             let expected = "the natural field (truth.outside) and times, for the station outside";
-            return Err(Error::document(format!("{}.outside", written.path), "true", expected));
+            return Err(Error::document(format!("{path}.outside"), "true", expected));
         }
         let given_outside = set.columns.keys().any(|name| name.starts_with("outside_"));
         if let Some(natural) = natural.as_ref().filter(|_| !given_outside) {
             insert(&mut set, outside_columns(by_axis(natural)));
         }
         let currents = self.follow_profile(&mut set);
-        let read = self.read(&set, written, natural.as_deref(), failed)?;
-        set.conditions = written.conditions.clone();
+        let read = self.read(&set, written, natural.as_deref())?;
+        set.conditions = written.planned.recording.conditions.clone();
         if let Some((name, currents)) = currents {
             set.columns.insert(name, currents);
         }
@@ -93,18 +69,16 @@ impl World<'_> {
             Axis::ALL.iter().for_each(|axis| {
                 set.columns.shift_remove(&format!("outside_{axis}_nt"));
             });
-            if let (Some(outside), Some(field), true) = (&self.plan.truth.outside, &natural, written.outside)
-            {
+            if let (Some(of), Some(field), true) = (&self.plan.truth.outside, &natural, *outside) {
                 let moments = self.moments(&set, written);
                 let station =
-                    moments.map(|moments| outside.station(&moments, field)).transpose().map_err(failed)?;
+                    moments.map(|moments| of.station(&moments, field)).transpose().map_err(failed)?;
                 insert(&mut set, station.map(outside_columns).unwrap_or_default());
             }
         }
-        if let Reads::Aboard(aboard) = &written.reads {
-            let attitude = Context::new(self.document, &set, self.references)
-                .map_err(|error| advise(error, &written.path))?
-                .attitude;
+        if let Reads::Aboard(aboard) = reads {
+            let context = Context::new(self.document, &set, self.references);
+            let attitude = context.map_err(|error| advise(error, path))?.attitude;
             aboard::write(&mut set, aboard.known_field.as_ref(), &attitude, self.plan.seed)
                 .map_err(failed)?;
         }
@@ -113,7 +87,7 @@ impl World<'_> {
         Ok(set)
     }
 
-    fn moments<'r>(&self, set: &'r Recording, written: &Written) -> Option<Moments<'r>> {
+    fn moments<'r>(&self, set: &'r Recording, written: &Scheduled) -> Option<Moments<'r>> {
         Some(Moments {
             seed: self.plan.seed,
             id: &set.id,
@@ -124,9 +98,9 @@ impl World<'_> {
     }
 
     /// The natural field, where the recording or an effect on it takes notice of it.
-    fn natural(&self, set: &Recording, written: &Written) -> Result<Option<Vec<Vector3<f64>>>, NoiseError> {
+    fn natural(&self, set: &Recording, written: &Scheduled) -> Result<Option<Vec<Vector3<f64>>>, NoiseError> {
         let leaks = self.effects.iter().any(|effect| effect.kind.follows_outside());
-        let wanted = written.outside || leaks || written.surroundings == Surroundings::Open;
+        let wanted = written.planned.outside || leaks || written.planned.surroundings == Surroundings::Open;
         let outside = self.plan.truth.outside.as_ref().filter(|_| wanted);
         outside.zip(self.moments(set, written)).map(|(outside, moments)| outside.field(&moments)).transpose()
     }
@@ -134,43 +108,59 @@ impl World<'_> {
     fn read(
         &self,
         set: &Recording,
-        written: &Written,
+        written: &Scheduled,
         natural: Option<&[Vector3<f64>]>,
-        failed: impl Fn(NoiseError) -> Error + Copy,
     ) -> Result<Read, Error> {
-        let at = |error: physics::Error| advise(error, &written.path);
-        let mut context = Context::new(self.document, set, self.references).map_err(at)?;
+        let Planned { path, surroundings, reads, .. } = &written.planned;
+        let mut context =
+            Context::new(self.document, set, self.references).map_err(|error| advise(error, path))?;
         context.unit = self.unit;
-        match written.surroundings {
+        match surroundings {
             // In the natural field, without coils, there is only what the recording says.
             Surroundings::Coils if !context.in_coils => {}
             Surroundings::Coils => {
                 context.ambient_nt.iter_mut().for_each(|field| *field += self.residual_field_nt);
                 if let (Some(site), Some(moments)) = (&self.plan.truth.site, self.moments(set, written)) {
-                    let noise = site.field(&moments).map_err(failed)?;
+                    let noise = site.field(&moments).map_err(|error| disorder(error, path))?;
                     context.ambient_nt =
                         noise.iter().enumerate().map(|(row, noise)| context.ambient(row) + noise).collect();
                 }
             }
             Surroundings::Shield => {
                 let position = set.column("position");
-                context.ambient_nt = (0..context.rows)
-                    .map(|row| self.shield_field_nt * position.map_or(1.0, |position| position[row]))
-                    .collect();
+                let of = |row: usize| self.shield_field_nt * position.map_or(1.0, |position| position[row]);
+                context.ambient_nt = (0..context.rows).map(of).collect();
             }
             Surroundings::Open => context.ambient_nt = natural.unwrap_or_default().to_vec(),
         }
-        match &written.reads {
-            Reads::Sensors(sensors) => self.read_sensors(sensors, context, written, at, failed),
-            Reads::Scalar => self.read_scalar(&context, at, failed),
-            Reads::Differential => self.read_differential(context, at, failed),
+        match reads {
+            Reads::Sensors(sensors) => self.read_sensors(sensors, context, &written.planned),
+            Reads::Scalar => self.read_scalar(&context, path),
+            Reads::Differential => self.read_differential(context, path),
             Reads::Aboard(aboard) => {
-                let mut read =
-                    if aboard.scalar { self.read_scalar(&context, at, failed)? } else { Read::new() };
-                read.extend(self.read_sensors(&aboard.sensors, context, written, at, failed)?);
+                let mut read = if aboard.scalar { self.read_scalar(&context, path)? } else { Read::new() };
+                read.extend(self.read_sensors(&aboard.sensors, context, &written.planned)?);
                 Ok(read)
             }
         }
+    }
+
+    /// What the chain predicts.
+    fn predict(&self, basic: &Basic, context: &Context<'_>, path: &str) -> Result<Prediction, Error> {
+        let effects = self.effects_in(context.recording);
+        physics::predict(basic, &effects, context).map_err(|error| advise(error, path))
+    }
+
+    /// Noise of a channel of a recording.
+    fn noise(
+        &self,
+        noise: &Noise,
+        context: &Context<'_>,
+        channel: &str,
+        time: Option<&[f64]>,
+    ) -> Result<Vec<f64>, NoiseError> {
+        let channel = format!("{}/{channel}", context.recording.id);
+        noise::series(noise, self.plan.seed, &channel, context.rows, time)
     }
 
     /// The effects that act in a recording: those of a spacecraft only on board, where their housekeeping is.
@@ -189,104 +179,82 @@ impl World<'_> {
         &self,
         sensors: &[Axis],
         mut context: Context<'_>,
-        written: &Written,
-        at: impl Fn(physics::Error) -> Error,
-        failed: impl Fn(NoiseError) -> Error,
+        planned: &Planned,
     ) -> Result<Read, Error> {
         let instrument = self.plan.instrument.clone().unwrap_or_default();
         let width = self.unit.code_width(Some(&instrument));
         let wandered = self.wander.get(&context.recording.id).copied().unwrap_or(0.0);
-        let time = context.recording.column("time_s");
         let errors = |sensor: &Axis| {
             let name = format!("sensor_{sensor}_{}", self.unit.suffix());
             let declared = instrument.noise_of(*sensor).cloned().unwrap_or_default();
-            let channel = format!("{}/{name}", context.recording.id);
-            let errors = noise::series(&declared, self.plan.seed, &channel, context.rows, time)?;
+            let errors = self.noise(&declared, &context, &name, context.recording.column("time_s"))?;
             Ok((name, errors))
         };
         let errors: Vec<Result<_, NoiseError>> = sensors.par_iter().map(errors).collect();
-        let mut read = errors.into_iter().collect::<Result<Read, _>>().map_err(failed)?;
+        let read = errors.into_iter().collect::<Result<Read, _>>();
+        let mut read = read.map_err(|error| disorder(error, &planned.path))?;
         context.noise_nt = vec![Vector3::zeros(); context.rows];
         for ((_, errors), sensor) in read.iter().zip(sensors) {
             for (noise, error) in context.noise_nt.iter_mut().zip(errors) {
                 noise[sensor.index()] = error - wandered;
             }
         }
-        let prediction = physics::predict(self.basic, &self.effects_in(context.recording), &context);
-        let readings = prediction.map_err(at)?.readings;
+        let readings = self.predict(self.basic, &context, &planned.path)?.readings;
         read.par_iter_mut().zip(sensors).for_each(|((_, column), sensor)| {
             column.iter_mut().zip(&readings).for_each(|(value, reading)| *value = reading[sensor.index()]);
-            noise::quantise(column, width.unwrap_or(0.0) / written.amplification);
+            noise::quantise(column, width.unwrap_or(0.0) / planned.amplification);
         });
         Ok(read)
     }
 
-    fn read_scalar(
-        &self,
-        context: &Context<'_>,
-        at: impl Fn(physics::Error) -> Error,
-        failed: impl Fn(NoiseError) -> Error,
-    ) -> Result<Read, Error> {
-        let field =
-            physics::predict(self.basic, &self.effects_in(context.recording), context).map_err(at)?.field_geo;
+    fn read_scalar(&self, context: &Context<'_>, path: &str) -> Result<Read, Error> {
+        let field = self.predict(self.basic, context, path)?.field_geo;
         let std = self.plan.facility.as_ref().and_then(|facility| facility.reference_std_nt);
         let declared = Noise { white_rms_nt: std, ..Noise::default() };
-        let channel = format!("{}/reference_nt", context.recording.id);
-        let mut column =
-            noise::series(&declared, self.plan.seed, &channel, context.rows, None).map_err(failed)?;
+        let column = self.noise(&declared, context, "reference_nt", None);
+        let mut column = column.map_err(|error| disorder(error, path))?;
         column.iter_mut().zip(&field).for_each(|(value, field)| *value += field.norm());
         Ok(vec![("reference_nt".into(), column)])
     }
 
-    fn read_differential(
-        &self,
-        mut context: Context<'_>,
-        at: impl Fn(physics::Error) -> Error,
-        failed: impl Fn(NoiseError) -> Error,
-    ) -> Result<Read, Error> {
+    fn read_differential(&self, mut context: Context<'_>, path: &str) -> Result<Read, Error> {
         let Some(truth) = &self.plan.truth.differential else { return Ok(Read::new()) };
-        let mut read = Read::new();
+        let instrument = self.plan.instrument.clone().unwrap_or_default();
+        let noise = |context: &Context<'_>, prefix: &str| -> Result<Vec<Vector3<f64>>, Error> {
+            let mut errors = vec![Vector3::zeros(); context.rows];
+            for axis in Axis::ALL {
+                let declared = match prefix {
+                    "test" => instrument.noise_of(axis).cloned(),
+                    "third" => truth.third.as_ref().and_then(|third| third.noise.clone()),
+                    _ => truth.reference_noise.clone(),
+                };
+                let (declared, channel) = (declared.unwrap_or_default(), format!("{prefix}_{axis}_nt"));
+                let series = self.noise(&declared, context, &channel, context.recording.column("time_s"));
+                let series = series.map_err(|error| disorder(error, path))?;
+                errors.iter_mut().zip(series).for_each(|(all, error)| all[axis.index()] = error);
+            }
+            Ok(errors)
+        };
+        let noisy = |context: &Context<'_>, prefix: &str, mut readings: Vec<Vector3<f64>>| {
+            let errors = noise(context, prefix)?;
+            readings.iter_mut().zip(errors).for_each(|(reading, error)| *reading += error);
+            Ok::<_, Error>((prefix.to_string(), readings))
+        };
         let matrix = truth.reference_matrix();
         let reference: Vec<Vector3<f64>> = context.ambient_nt.iter().map(|field| matrix * field).collect();
         context.reference_nt = Some(reference.clone());
-        let instrument = self.plan.instrument.clone().unwrap_or_default();
-        let time = context.recording.column("time_s");
-        let noise = |prefix: &str, axis: Axis| {
-            let declared = match prefix {
-                "test" => instrument.noise_of(axis).cloned(),
-                "third" => truth.third.as_ref().and_then(|third| third.noise.clone()),
-                _ => truth.reference_noise.clone(),
-            };
-            let channel = format!("{}/{prefix}_{axis}_nt", context.recording.id);
-            noise::series(&declared.unwrap_or_default(), self.plan.seed, &channel, context.rows, time)
-                .map_err(&failed)
-        };
-        let mut errors = vec![Vector3::zeros(); context.rows];
-        for axis in Axis::ALL {
-            errors.iter_mut().zip(noise("test", axis)?).for_each(|(all, error)| all[axis.index()] = error);
-        }
-        let mut reference_read = by_axis(&reference);
-        for (axis, column) in Axis::ALL.into_iter().zip(&mut reference_read) {
-            column.iter_mut().zip(noise("reference", axis)?).for_each(|(value, error)| *value += error);
-        }
-        let mut third_read = None;
+        context.noise_nt = noise(&context, "test")?;
+        let mut all = vec![noisy(&context, "reference", reference)?];
+        let test = self.predict(&Basic::differential(self.document), &context, path)?.readings;
+        all.push(("test".into(), test));
         if let Some(third) = &truth.third {
             let (matrix, offset) = (third.axes.matrix(), Vector3::from(third.offset_nt));
-            let readings: Vec<Vector3<f64>> =
-                context.ambient_nt.iter().map(|field| matrix * field + offset).collect();
-            let mut columns = by_axis(&readings);
-            for (axis, column) in Axis::ALL.into_iter().zip(&mut columns) {
-                column.iter_mut().zip(noise("third", axis)?).for_each(|(value, error)| *value += error);
-            }
-            third_read = Some(("third", columns));
+            let readings = context.ambient_nt.iter().map(|field| matrix * field + offset).collect();
+            all.push(noisy(&context, "third", readings)?);
         }
-        context.noise_nt = errors;
-        let basic = Basic::differential(self.document);
-        let effects = self.effects_in(context.recording);
-        let test = physics::predict(&basic, &effects, &context).map_err(at)?.readings;
-        let both = [("reference", reference_read), ("test", by_axis(&test))];
-        for (prefix, series) in both.into_iter().chain(third_read) {
-            for (axis, mut column) in Axis::ALL.iter().zip(series) {
+        let mut read = Read::new();
+        for (prefix, readings) in all {
+            for (axis, mut column) in Axis::ALL.iter().zip(by_axis(&readings)) {
                 noise::quantise(&mut column, instrument.quantisation_nt.unwrap_or(0.0));
                 read.push((format!("{prefix}_{axis}_nt"), column));
             }
@@ -335,6 +303,10 @@ pub fn holds(recording: &Recording, name: &str) -> bool {
     recording.column(name).is_some() || recording.conditions.extra.contains_key(name)
 }
 
+fn disorder(error: NoiseError, path: &str) -> Error {
+    Error::document(path, error.to_string(), "exponents from 0 to 2, and times without such gaps")
+}
+
 /// What an effect lacks, with the key of the plan that gives it.
 fn advise(error: physics::Error, path: &str) -> Error {
     match error {
@@ -353,33 +325,23 @@ fn advise(error: physics::Error, path: &str) -> Error {
 }
 
 /// The wander of each sensor's offset over the dates of `offset_drift`, on an even grid of dates.
-pub fn wander(plan: &Plan, set: &[Recording], written: &[Written]) -> Result<Vec<Wander>, Error> {
+pub fn wander(plan: &Plan, set: &[Recording], written: &[Scheduled]) -> Result<Vec<Wander>, Error> {
     let Some(noise) = &plan.truth.offset_wander else { return Ok(Vec::new()) };
     let mut all = Vec::new();
     for sensor in Axis::ALL {
-        let dates: Vec<(&Recording, f64)> = set
-            .iter()
-            .zip(written)
-            .filter(|(set, _)| {
-                set.procedure == procedure::OFFSET_DRIFT && set.conditions.sensor == Some(sensor)
-            })
-            .map(|(set, written)| (set, written.clock_s))
-            .collect();
-        let times: Vec<f64> = dates.iter().map(|(_, clock_s)| *clock_s).collect();
+        let mine = |(set, _): &(&Recording, &Scheduled)| {
+            set.procedure == procedure::OFFSET_DRIFT && set.conditions.sensor == Some(sensor)
+        };
+        let dates: Vec<(&Recording, &Scheduled)> = set.iter().zip(written).filter(mine).collect();
+        let times: Vec<f64> = dates.iter().map(|(_, written)| written.clock_s).collect();
         let name = format!("offset_wander_{sensor}");
         let series = noise::series(noise, plan.seed, &name, times.len(), Some(&times)).map_err(|error| {
-            Error::document(
-                "truth.offset_wander",
-                error.to_string(),
-                "an exponent from 0 to 2, and even dates",
-            )
+            let expected = "an exponent from 0 to 2, and even dates";
+            Error::document("truth.offset_wander", error.to_string(), expected)
         })?;
-        all.extend(
-            dates
-                .iter()
-                .zip(series)
-                .map(|((set, _), offset_nt)| Wander { recording: set.id.clone(), offset_nt }),
-        );
+        let one =
+            |((set, _), offset_nt): (&(&Recording, _), f64)| Wander { recording: set.id.clone(), offset_nt };
+        all.extend(dates.iter().zip(series).map(one));
     }
     Ok(all)
 }
@@ -390,8 +352,4 @@ fn insert(recording: &mut Recording, columns: Read) {
 
 fn outside_columns(columns: [Vec<f64>; 3]) -> Read {
     Axis::ALL.into_iter().zip(columns).map(|(axis, column)| (format!("outside_{axis}_nt"), column)).collect()
-}
-
-fn by_axis(field: &[Vector3<f64>]) -> [Vec<f64>; 3] {
-    Axis::ALL.map(|axis| field.iter().map(|field| field[axis.index()]).collect())
 }

@@ -82,33 +82,20 @@ pub fn main_field_nt(place: &Place) -> Vector3<f64> {
     let [g10, g11, h11] = FIRST;
     let first = [(g10, 0.0, cos, -sin, 0.0), (g11 * c1 + h11 * s1, h11 * c1 - g11 * s1, sin, cos, 1.0)];
     let [g20, g21, h21, g22, h22] = SECOND;
+    let (v21, l21) = (g21 * c1 + h21 * s1, h21 * c1 - g21 * s1);
+    let (v22, l22) = (g22 * c2 + h22 * s2, 2.0 * (h22 * c2 - g22 * s2));
     let second = [
         (g20, 0.0, 1.5 * cos * cos - 0.5, -3.0 * sin * cos, 0.0),
-        (
-            g21 * c1 + h21 * s1,
-            h21 * c1 - g21 * s1,
-            root * sin * cos,
-            root * (cos * cos - sin * sin),
-            root * cos,
-        ),
-        (
-            g22 * c2 + h22 * s2,
-            2.0 * (h22 * c2 - g22 * s2),
-            0.5 * root * sin * sin,
-            root * sin * cos,
-            0.5 * root * sin,
-        ),
+        (v21, l21, root * sin * cos, root * (cos * cos - sin * sin), root * cos),
+        (v22, l22, 0.5 * root * sin * sin, root * sin * cos, 0.5 * root * sin),
     ];
     let ratio = RADIUS_KM / place.radius_km;
     let of = |n: i32, terms: &[(f64, f64, f64, f64, f64)]| -> Vector3<f64> {
-        let sum: Vector3<f64> = terms
-            .iter()
-            .map(|(value, slope, p, by_angle, over_sine)| {
-                // North is −θ, down is −r.
-                Vector3::new(value * by_angle, -slope * over_sine, -f64::from(n + 1) * value * p)
-            })
-            .sum();
-        sum * ratio.powi(n + 2)
+        // North is −θ, down is −r.
+        let term = |(value, slope, p, by_angle, over_sine): &(f64, f64, f64, f64, f64)| {
+            Vector3::new(value * by_angle, -slope * over_sine, -f64::from(n + 1) * value * p)
+        };
+        terms.iter().map(term).sum::<Vector3<f64>>() * ratio.powi(n + 2)
     };
     of(1, &first) + of(2, &second)
 }

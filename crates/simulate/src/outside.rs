@@ -4,15 +4,13 @@ use common::time::{day_of_week, hour_of_day};
 use common::{Axis, Noise};
 use nalgebra::Vector3;
 use noise::NoiseError;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// The natural field, GEO, nT. Main field, daily variation and storm are functions of time alone; the
 /// background is drawn anew for each recording.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct OutsidePlan {
     /// Main field.
@@ -33,7 +31,7 @@ pub struct OutsidePlan {
 /// A magnetic storm: a sudden commencement, a main phase that deepens and recovers, and unrest while it
 /// lasts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Storm {
     /// Beginning on the campaign's clock, s.
@@ -53,7 +51,7 @@ pub struct Storm {
 
 /// Noise of the site in each of the report's four conditions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, rename_all = "kebab-case", default)]
 pub struct SitePlan {
     /// Monday to Friday, 7 h to 17 h.
@@ -68,7 +66,7 @@ pub struct SitePlan {
 
 /// Noise of the site, GEO.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SiteNoise {
     /// Of each component.
@@ -82,7 +80,7 @@ pub struct SiteNoise {
 
 /// A condition of the site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Site {
     /// Midweek workday.
@@ -101,22 +99,12 @@ impl Site {
 
     /// As `conditions.site` has it.
     pub fn name(self) -> &'static str {
-        match self {
-            Site::WeekdayDay => "weekday-day",
-            Site::WeekdayNight => "weekday-night",
-            Site::WeekendDay => "weekend-day",
-            Site::WeekendNight => "weekend-night",
-        }
+        ["weekday-day", "weekday-night", "weekend-day", "weekend-night"][self as usize]
     }
 
     /// Day of the week (0 = Monday) and hour at which its series begin: nine hours fit in.
     pub fn when(self) -> (u8, f64) {
-        match self {
-            Site::WeekdayDay => (2, 7.5),
-            Site::WeekdayNight => (2, 20.0),
-            Site::WeekendDay => (5, 7.5),
-            Site::WeekendNight => (5, 20.0),
-        }
+        [(2, 7.5), (2, 20.0), (5, 7.5), (5, 20.0)][self as usize]
     }
 
     /// The condition at a local time. A night belongs to the day on which it begins.
@@ -135,11 +123,9 @@ impl Site {
 
 /// The times of a recording as the outside world sees them.
 pub struct Moments<'a> {
-    /// The campaign's seed.
     pub seed: u64,
     /// The recording's id, for its streams.
     pub id: &'a str,
-    /// Times of the recording, s.
     pub time_s: &'a [f64],
     /// Its zero on the campaign's clock, s.
     pub clock_s: f64,
@@ -194,8 +180,7 @@ impl OutsidePlan {
         moments: &Moments<'_>,
         field: &[Vector3<f64>],
     ) -> Result<[Vec<f64>; 3], NoiseError> {
-        let mut columns =
-            Axis::ALL.map(|axis| field.iter().map(|field| field[axis.index()]).collect::<Vec<_>>());
+        let mut columns = by_axis(field);
         if let Some(noise) = &self.station {
             for (axis, column) in Axis::ALL.iter().zip(&mut columns) {
                 let errors = moments.noise(noise, &format!("station_{axis}"))?;
@@ -204,6 +189,11 @@ impl OutsidePlan {
         }
         Ok(columns)
     }
+}
+
+/// The three components.
+pub fn by_axis(field: &[Vector3<f64>]) -> [Vec<f64>; 3] {
+    Axis::ALL.map(|axis| field.iter().map(|field| field[axis.index()]).collect())
 }
 
 impl Storm {
@@ -232,18 +222,11 @@ fn daily(hour: f64) -> Vector3<f64> {
 }
 
 impl SitePlan {
-    fn of(&self, site: Site) -> &SiteNoise {
-        match site {
-            Site::WeekdayDay => &self.weekday_day,
-            Site::WeekdayNight => &self.weekday_night,
-            Site::WeekendDay => &self.weekend_day,
-            Site::WeekendNight => &self.weekend_night,
-        }
-    }
-
     /// All conditions.
     pub fn all(&self) -> [(Site, &SiteNoise); 4] {
-        Site::ALL.map(|site| (site, self.of(site)))
+        let Self { weekday_day, weekday_night, weekend_day, weekend_night } = self;
+        let all = [weekday_day, weekday_night, weekend_day, weekend_night];
+        Site::ALL.map(|site| (site, all[site as usize]))
     }
 
     /// The noise at each moment, GEO, nT, by the condition of that moment.
@@ -251,11 +234,7 @@ impl SitePlan {
         let conditions: Vec<Site> =
             (0..moments.time_s.len()).map(|row| Site::at(moments.local(row))).collect();
         let mut field = vec![Vector3::zeros(); conditions.len()];
-        for site in Site::ALL {
-            if !conditions.contains(&site) {
-                continue;
-            }
-            let plan = self.of(site);
+        for (site, plan) in self.all().into_iter().filter(|(site, _)| conditions.contains(site)) {
             let hz = plan.mains_hz.unwrap_or(60.0);
             for axis in Axis::ALL {
                 let noise = moments.noise(&plan.noise, &format!("{}_{axis}", site.name()))?;

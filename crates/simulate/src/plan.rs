@@ -1,6 +1,4 @@
 use common::{Calibration, Error, Facility, Instrument, Model, Noise, PerAxis, Versioned};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::differential::DifferentialTruth;
@@ -11,7 +9,7 @@ use crate::timing::Timing;
 /// What is to be simulated: the facility and the instrument as they are stated, what they truly are,
 /// and the procedures in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// Format version, 1.
@@ -75,7 +73,7 @@ impl Plan {
 
 /// A part of the calibration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum CalibrationPart {
     /// Coil constants and offsets.
@@ -90,7 +88,7 @@ pub enum CalibrationPart {
 
 /// How the drive of the coils is written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum DriveRecord {
     /// `coil_*_a`, exact.
@@ -102,7 +100,7 @@ pub enum DriveRecord {
 
 /// Temperatures of the rooms, with a daily wave.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Temperatures {
     /// Of the sensors, mean, degC.
@@ -122,7 +120,7 @@ pub struct Temperatures {
 
 /// The truth behind the recordings.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct TruthPlan {
     /// True constants and axes.
@@ -156,7 +154,7 @@ pub struct TruthPlan {
 
 /// Field along a coil's axis over the field at its centre: 1 + (a x + b x² + c x⁴) 1e-6, x in m.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Profile {
     /// a.

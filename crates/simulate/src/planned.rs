@@ -16,24 +16,19 @@ pub struct Planned {
     pub nominal: Matrix3<f64>,
     /// JSON path in the plan.
     pub path: String,
-    /// What is read.
     pub reads: Reads,
-    /// Where it is made.
     pub surroundings: Surroundings,
     /// What a code of the converter is divided by.
     pub amplification: f64,
     /// Whether the natural field outside is recorded beside.
     pub outside: bool,
-    /// When it begins.
     pub begins: Begins,
     /// What the operator does, step by step.
     pub steps: Vec<Step>,
 }
 
-/// What a recording reads.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Reads {
-    /// Sensors.
     Sensors(Vec<Axis>),
     /// The scalar magnetometer, at the coils' centre or along a coil's axis.
     Scalar,
@@ -43,7 +38,6 @@ pub enum Reads {
     Aboard(Box<Aboard>),
 }
 
-/// Where a recording is made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surroundings {
     /// In the coils, with what nulling leaves.
@@ -54,7 +48,6 @@ pub enum Surroundings {
     Open,
 }
 
-/// When a recording begins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Begins {
     /// When the one before has ended.
@@ -70,18 +63,22 @@ pub enum Begins {
 /// What the operator does, for the run sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// Words for it.
     pub action: String,
-    /// Currents, A.
     pub current_a: Vector3<f64>,
     /// Temperatures of sensors and electronics, where they are set, degC.
     pub temperatures_c: Option<[f64; 2]>,
     /// Waiting before the first reading, s.
     pub wait_s: f64,
-    /// Readings.
     pub readings: usize,
     /// From the first reading to the end, s.
     pub length_s: f64,
+}
+
+impl Step {
+    /// Without drive.
+    pub fn still(action: String, wait_s: f64, readings: usize, length_s: f64) -> Self {
+        Self { action, current_a: Vector3::zeros(), temperatures_c: None, wait_s, readings, length_s }
+    }
 }
 
 /// Builds the rows of a recording from steps.
@@ -97,16 +94,8 @@ pub struct Rows {
 impl Rows {
     /// Rows that begin after the set-up of a procedure or an orientation.
     pub fn new(action: impl Into<String>, setup_s: f64) -> Self {
-        let mut rows = Self { end_s: setup_s, ..Self::default() };
-        rows.steps.push(Step {
-            action: action.into(),
-            current_a: Vector3::zeros(),
-            temperatures_c: None,
-            wait_s: setup_s,
-            readings: 0,
-            length_s: 0.0,
-        });
-        rows
+        let steps = vec![Step::still(action.into(), setup_s, 0, 0.0)];
+        Self { end_s: setup_s, steps, ..Self::default() }
     }
 
     /// Readings at one setting. `more` are further columns, the same ones at each step.
@@ -153,23 +142,23 @@ impl Planned {
     pub fn new(
         procedure: &str,
         id: String,
-        path: String,
+        path: &str,
         conditions: Conditions,
         rows: Rows,
         coils: &[Axis],
     ) -> Self {
         let (columns, steps) = rows.finish(coils);
+        let procedure = procedure.into();
+        Self::of(Recording { id, procedure, conditions, columns, ..Recording::default() }, path, steps)
+    }
+
+    /// The same with columns that are made already.
+    pub fn of(recording: Recording, path: &str, steps: Vec<Step>) -> Self {
         Self {
-            recording: Recording {
-                id,
-                procedure: procedure.into(),
-                conditions,
-                columns,
-                ..Recording::default()
-            },
+            recording,
             rotation: Matrix3::identity(),
             nominal: Matrix3::identity(),
-            path,
+            path: path.into(),
             reads: Reads::Scalar,
             surroundings: Surroundings::Coils,
             amplification: 1.0,

@@ -22,12 +22,8 @@ pub struct Replayed {
 pub fn replay(document: &Document, noise_seed: Option<u64>) -> Result<Replayed, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let references = References::stated(document);
-    let replayed: Vec<Result<(Recording, Vec<LeftOut>), Error>> = document
-        .recordings
-        .par_iter()
-        .enumerate()
-        .map(|(index, _)| recording(document, index, &effects, references, noise_seed))
-        .collect();
+    let one = |index: usize| recording(document, index, &effects, references, noise_seed);
+    let replayed: Vec<Result<_, Error>> = (0..document.recordings.len()).into_par_iter().map(one).collect();
     let replayed = replayed.into_iter().collect::<Result<Vec<_>, _>>()?;
     let (recordings, left_out): (_, Vec<Vec<LeftOut>>) = replayed.into_iter().unzip();
     let left_out: Vec<LeftOut> = left_out.into_iter().flatten().collect();
@@ -67,11 +63,8 @@ fn recording(
             let expected = format!(
                 "calibration.sensors.{axis}.sensitivity_nt_per_v, or instrument.nominal_sensitivity_nt_per_v"
             );
-            return Err(Error::document(
-                format!("{path}.columns.{name}"),
-                "readings in V without a sensitivity",
-                expected,
-            ));
+            let found = "readings in V without a sensitivity";
+            return Err(Error::document(format!("{path}.columns.{name}"), found, expected));
         }
         let values = prediction.readings.iter().map(|reading| reading[axis.index()]);
         let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(axis));
@@ -165,10 +158,8 @@ fn notes(document: &Document) -> Vec<String> {
         }
     }
     if document.recordings.iter().any(differential) && calibration.is_none_or(|c| c.differential.is_none()) {
-        notes.push(
-            "calibration.differential is not stated: the test instrument is assumed to read like the reference"
-                .into(),
-        );
+        let nothing = "calibration.differential is not stated: the test instrument is assumed to read like the reference";
+        notes.push(nothing.into());
     }
     notes
 }

@@ -20,22 +20,8 @@ pub struct RunSheet {
     pub work_s: f64,
 }
 
-const HEAD: [&str; 14] = [
-    "step",
-    "time_s",
-    "start",
-    "recording",
-    "orientation",
-    "coil_x_a",
-    "coil_y_a",
-    "coil_z_a",
-    "sensor_temperature_c",
-    "electronics_temperature_c",
-    "wait_s",
-    "readings",
-    "length_s",
-    "action",
-];
+const HEAD: &str = "step,time_s,start,recording,orientation,coil_x_a,coil_y_a,coil_z_a,sensor_temperature_c,\
+                    electronics_temperature_c,wait_s,readings,length_s,action";
 
 /// The settings of a plan in order.
 pub fn run_sheet(plan: &Plan) -> Result<RunSheet, Error> {
@@ -43,7 +29,7 @@ pub fn run_sheet(plan: &Plan) -> Result<RunSheet, Error> {
     scheduled.sort_by(|a, b| a.begins_s.total_cmp(&b.begins_s));
     let mut writer = csv::Writer::from_writer(Vec::new());
     let failed = |error: csv::Error| Error::Request(format!("the run sheet cannot be written: {error}"));
-    writer.write_record(HEAD).map_err(failed)?;
+    writer.write_record(HEAD.split(',')).map_err(failed)?;
     let (mut steps, mut length_s, mut work_s) = (0, 0.0, 0.0);
     for Scheduled { planned, begins_s, .. } in &scheduled {
         let mut time_s = *begins_s;
@@ -51,24 +37,13 @@ pub fn run_sheet(plan: &Plan) -> Result<RunSheet, Error> {
         for step in &planned.steps {
             steps += 1;
             let temperature = |k: usize| step.temperatures_c.map_or(String::new(), |t| number(t[k]));
-            writer
-                .write_record([
-                    steps.to_string(),
-                    number(time_s),
-                    start.clone(),
-                    planned.recording.id.clone(),
-                    orientation(&planned.nominal),
-                    number(step.current_a.x),
-                    number(step.current_a.y),
-                    number(step.current_a.z),
-                    temperature(0),
-                    temperature(1),
-                    number(step.wait_s),
-                    step.readings.to_string(),
-                    number(step.length_s),
-                    step.action.clone(),
-                ])
-                .map_err(failed)?;
+            let mut row =
+                vec![steps.to_string(), number(time_s), start.clone(), planned.recording.id.clone()];
+            row.push(orientation(&planned.nominal));
+            row.extend(step.current_a.iter().map(|current| number(*current)));
+            row.extend([temperature(0), temperature(1), number(step.wait_s)]);
+            row.extend([step.readings.to_string(), number(step.length_s), step.action.clone()]);
+            writer.write_record(row).map_err(failed)?;
             time_s += step.wait_s + step.length_s;
         }
         work_s += time_s - begins_s;

@@ -9,7 +9,6 @@ use crate::planned::{Begins, Planned};
 
 /// A recording with its place in time.
 pub struct Scheduled {
-    /// What is recorded.
     pub planned: Planned,
     /// Its beginning on the campaign's clock, s.
     pub begins_s: f64,
@@ -38,13 +37,7 @@ pub fn schedule(plan: &Plan, planned: Vec<Planned>) -> Result<Vec<Scheduled>, Er
     for mut planned in planned {
         let begins_s = match planned.begins {
             Begins::Next => free_s,
-            Begins::AsItSays => {
-                if start.is_some() {
-                    free_s
-                } else {
-                    0.0
-                }
-            }
+            Begins::AsItSays => start.map_or(0.0, |_| free_s),
             Begins::After(wait) => {
                 if first.0 != planned.path {
                     first = (planned.path.clone(), free_s);

@@ -1,7 +1,5 @@
 use common::{Axis, Calibration, Error, Matrix3x3, Model, PerAxis};
 use noise::Stream;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::differential::DifferentialTruth;
@@ -9,7 +7,7 @@ use crate::plan::{Plan, Profile};
 
 /// What is true behind a simulated document. It goes to a file of its own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Truth {
     /// Format version, 1.
     pub fluxcal: u64,
@@ -64,7 +62,7 @@ impl Truth {
 
 /// The true orientation of a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct TrueOrientation {
     /// The recording.
     pub recording: String,
@@ -74,7 +72,7 @@ pub struct TrueOrientation {
 
 /// How far a sensor's offset had wandered at a recording.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Wander {
     /// The recording.
     pub recording: String,
@@ -84,7 +82,7 @@ pub struct Wander {
 
 /// What resistors and voltmeter truly are, the same through the campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Electrical {
     /// True resistances, ohm.
     pub resistor_ohm: PerAxis<f64>,

@@ -5,72 +5,46 @@
 //! `FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture` after `cargo
 //! build --release`.
 
-use common::{Column, Document, Recording, procedure};
-use correct::Options;
+use common::{Document, Recording, procedure};
+use correct::Frame;
 use physics::{References, Setting};
 use rayon::prelude::*;
 use serde_json::Value;
+use testkit::laws::Draw;
 
 const FIELDS: usize = 400;
 const LARGEST_NT: f64 = 64_000.0;
 
-/// Numbers from 0 to 1 that follow each other without pattern.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// Fields of every direction and size, at temperatures of sensors and electronics from −7 to 53 degC, a day
 /// after the beginning.
 pub fn flight(seed: u64) -> Recording {
-    let mut numbers = Numbers(seed);
-    let mut columns: Vec<(&str, Vec<f64>)> = [
-        "time_s",
-        "ambient_x_nt",
-        "ambient_y_nt",
-        "ambient_z_nt",
-        "sensor_temperature_c",
-        "electronics_temperature_c",
-    ]
-    .map(|name| (name, Vec::new()))
-    .into();
-    for row in 0..FIELDS {
-        let size = LARGEST_NT * numbers.next().cbrt();
-        let (height, azimuth) = (2.0 * numbers.next() - 1.0, std::f64::consts::TAU * numbers.next());
-        let across = (1.0 - height * height).sqrt();
-        let field = [azimuth.cos() * across, azimuth.sin() * across, height].map(|part| size * part);
-        let temperatures = [60.0 * numbers.next() - 7.0, 60.0 * numbers.next() - 7.0];
-        let values = [row as f64].into_iter().chain(field).chain(temperatures);
-        columns.iter_mut().zip(values).for_each(|((_, column), value)| column.push(value));
-    }
+    let mut numbers = Draw::new(seed);
+    let rows: Vec<[f64; 6]> = (0..FIELDS)
+        .map(|row| {
+            let size = LARGEST_NT * (0.5 + 0.5 * numbers.even()).cbrt();
+            let (height, azimuth) = (numbers.even(), std::f64::consts::PI * numbers.even());
+            let across = (1.0 - height * height).sqrt();
+            let [x, y, z] = [azimuth.cos() * across, azimuth.sin() * across, height].map(|part| size * part);
+            [row as f64, x, y, z, 23.0 + 30.0 * numbers.even(), 23.0 + 30.0 * numbers.even()]
+        })
+        .collect();
+    let names = ["time_s", "ambient_x_nt", "ambient_y_nt", "ambient_z_nt"];
+    let names = names.into_iter().chain(["sensor_temperature_c", "electronics_temperature_c"]);
+    let column = |(k, name): (usize, &str)| (name.to_string(), rows.iter().map(|row| row[k]).collect());
     Recording {
         id: "flight".into(),
         procedure: procedure::FREE_RUN.into(),
         start: Some("1977-05-24T08:00:00-05:00".into()),
-        columns: columns.into_iter().map(|(name, values)| (name.to_string(), Column::from(values))).collect(),
+        columns: names.enumerate().map(column).collect(),
         ..Recording::default()
     }
 }
 
-/// A campaign at the GSFC coils as it was simulated, and the truth.
-pub fn campaign(seed: u64) -> (Document, Value) {
-    planned("plans/magsat.json", seed)
-}
-
 /// A campaign of a plan as it was simulated, and the truth.
-fn planned(plan: &str, seed: u64) -> (Document, Value) {
-    let text = std::fs::read_to_string(testkit::fixture(plan)).expect("a plan");
-    let mut plan: Value = serde_json::from_str(&text).expect("JSON");
-    plan["seed"] = seed.into();
-    let plan = simulate::Plan::parse(&plan.to_string()).expect("a plan");
-    let simulate::Campaign { document, truth, .. } = simulate::campaign(&plan).expect("simulated");
+pub fn planned(plan: &str, seed: u64) -> (Document, Value) {
+    let plan = simulate::Plan::parse(&testkit::read_fixture(plan)).expect("a plan");
+    let campaign = simulate::campaign(&simulate::Plan { seed, ..plan });
+    let simulate::Campaign { document, truth } = campaign.expect("simulated");
     (document, serde_json::to_value(truth).expect("JSON"))
 }
 
@@ -81,9 +55,8 @@ pub fn stages(programs: &[&str], document: &Document) -> Document {
 
 /// What the true instrument reads, rounded to codes.
 pub fn read(truth: &Value, mut recording: Recording) -> Recording {
-    let mut document =
-        Document::parse(&serde_json::json!({"fluxcal": 1, "calibration": truth["calibration"]}).to_string())
-            .expect("a document");
+    let stated = serde_json::json!({"fluxcal": 1, "calibration": truth["calibration"]});
+    let mut document = Document::parse(&stated.to_string()).expect("a document");
     document.model = serde_json::from_value(truth["model"].clone()).expect("a model");
     if let Some(model) = &mut document.model {
         // The facility stays behind.
@@ -130,7 +103,7 @@ fn outcome((document, truth): (Document, Value), seed: u64) -> Outcome {
         }
     }
     document.recordings = vec![read(&truth, flight(seed))];
-    let document = correct::run(document, &Options::default()).expect("corrected");
+    let document = correct::run(document, Frame::Sen).expect("corrected");
     let column = |name: String| document.recordings[0].column(&name).expect("a column");
     let mut off = Vec::new();
     for axis in ["x", "y", "z"] {
@@ -145,28 +118,24 @@ fn outcome((document, truth): (Document, Value), seed: u64) -> Outcome {
 fn outcomes(plan: &str, campaigns: u64) -> Vec<Outcome> {
     let outcomes: Vec<Outcome> =
         (1..=campaigns).into_par_iter().map(|seed| outcome(planned(plan, seed), seed)).collect();
-    let all = || outcomes.iter().flat_map(|one| &one.off);
-    let tried = all().count() as f64;
-    let rms =
-        |of: &dyn Fn(&(f64, f64)) -> f64| (all().map(|one| of(one).powi(2)).sum::<f64>() / tried).sqrt();
+    let off: Vec<(f64, f64)> = outcomes.iter().flat_map(|one| one.off.clone()).collect();
+    let tried = off.len() as f64;
+    let rms = |of: fn(&(f64, f64)) -> f64, all: &[(f64, f64)]| {
+        (all.iter().map(|one| of(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
+    };
     let share =
-        |within: &dyn Fn(&(f64, f64)) -> bool| 100.0 * all().filter(|one| within(one)).count() as f64 / tried;
-    let mut ratios: Vec<f64> = outcomes
-        .iter()
-        .map(|one| {
-            (one.off.iter().map(|(off, std)| (off / std).powi(2)).sum::<f64>() / one.off.len() as f64).sqrt()
-        })
-        .collect();
+        |within: fn(&(f64, f64)) -> bool| 100.0 * off.iter().filter(|one| within(one)).count() as f64 / tried;
+    let mut ratios: Vec<f64> = outcomes.iter().map(|one| rms(|(off, std)| off / std, &one.off)).collect();
     ratios.sort_by(f64::total_cmp);
     println!(
         "{plan}, {campaigns} campaigns: rms error {:.3} nT, stated {:.3} nT, largest {:.2} nT; within 0.5 nT {:.3} %, beyond 1 nT {} of \
          {tried}; 95 % intervals hold {:.1} %; error over stated, by campaign: {:.2} to {:.2}",
-        rms(&|one| one.0),
-        rms(&|one| one.1),
-        all().map(|one| one.0.abs()).fold(0.0, f64::max),
-        share(&|one| one.0.abs() <= 0.5),
-        all().filter(|one| one.0.abs() > 1.0).count(),
-        share(&|one| one.0.abs() <= 1.96 * one.1),
+        rms(|one| one.0, &off),
+        rms(|one| one.1, &off),
+        off.iter().map(|one| one.0.abs()).fold(0.0, f64::max),
+        share(|one| one.0.abs() <= 0.5),
+        off.iter().filter(|one| one.0.abs() > 1.0).count(),
+        share(|one| one.0.abs() <= 1.96 * one.1),
         ratios[0],
         ratios[ratios.len() - 1]
     );

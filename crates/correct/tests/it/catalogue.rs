@@ -2,7 +2,7 @@
 //! it is said why not.
 
 use common::{AdoptedEffect, Axis, Document, Quantity};
-use correct::{Error, Options};
+use correct::{Error, Frame};
 use physics::{Acts, Basic, Kind, Place, References, Setting, Stage};
 
 /// Two hours with temperatures, housekeeping and a driven coil; tilted axes.
@@ -48,11 +48,8 @@ fn adopted(kind: Kind) -> AdoptedEffect {
         sensor: (acts == Acts::OneSensor).then_some(Axis::X),
         coil: (acts == Acts::OneCoil).then_some(Axis::X),
         column: matches!(acts, Acts::WithColumn(_)).then(|| "panel_current_a".into()),
-        recording: None,
-        from_s: None,
-        to_s: None,
         parameters: kind.parameters().iter().map(|info| (info.name.into(), value(info))).collect(),
-        extra: Default::default(),
+        ..AdoptedEffect::default()
     }
 }
 
@@ -72,7 +69,7 @@ fn what_is_predicted_is_corrected() {
             let readings = prediction.readings.iter().map(|reading| reading[axis.index()]);
             document.recordings[0].columns.insert(format!("sensor_{axis}_v"), readings.collect());
         }
-        let corrected = correct::run(document, &Options::default());
+        let corrected = correct::run(document, Frame::Sen);
         if !kind.invertible() {
             let error = corrected.expect_err("no inverse");
             assert!(matches!(&error, Error::Unanswerable(why) if why.contains(kind.name())), "{error}");

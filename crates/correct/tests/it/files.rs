@@ -1,7 +1,8 @@
 //! Tables in every format give what the document gives, in pieces or whole.
 
 use common::{AdoptedEffect, Axis, Document, Model, Quantity};
-use correct::{Frame, Options, Request, Station, correct_table};
+use correct::{Frame, Request, Station, correct_table};
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -26,9 +27,9 @@ fn read(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
     (names, columns)
 }
 
-fn write(path: &Path, columns: &[(&str, &[f64])]) {
+fn write(path: &Path, columns: &[(&str, Vec<f64>)], from: usize) {
     let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    let values: Vec<&[f64]> = columns.iter().map(|(_, values)| *values).collect();
+    let values: Vec<&[f64]> = columns.iter().map(|(_, values)| &values[from..]).collect();
     let mut writer = Writer::create(path, &names).expect("a table");
     writer.write(&values).expect("written");
     writer.finish().expect("finished");
@@ -48,15 +49,16 @@ fn request<'a>(calibration: &'a Document, input: &'a Path, output: &'a Path) -> 
     }
 }
 
-fn same(a: f64, b: f64) -> bool {
-    a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() < 1e-9
+fn all_same(one: &[f64], other: &[f64]) -> bool {
+    let same = |a: f64, b: f64| a == b || (a.is_nan() && b.is_nan()) || (a - b).abs() < 1e-9;
+    one.len() == other.len() && one.iter().zip(other).all(|(a, b)| same(*a, *b))
 }
 
 #[test]
 fn every_format_gives_what_the_document_gives() {
     let folder = tempfile::tempdir().expect("a folder");
     let calibration = input();
-    let expected = correct::run(input(), &Options { frame: Frame::Geo }).expect("corrected");
+    let expected = correct::run(input(), Frame::Geo).expect("corrected");
     let expected = &expected.recordings[0];
     let mut last: PathBuf = testkit::fixture("correct/flight/readings.csv");
     // From one format into the next; a second correction replaces the columns of the first.
@@ -67,10 +69,7 @@ fn every_format_gives_what_the_document_gives() {
         assert_eq!(names, expected.columns.keys().cloned().collect::<Vec<_>>());
         for (name, column) in names.iter().zip(columns) {
             let expected = expected.column(name).expect("a column");
-            assert!(
-                column.iter().zip(expected).all(|(a, b)| same(*a, *b)),
-                "{name}: {column:?} {expected:?}"
-            );
+            assert!(all_same(&column, expected), "{name}: {column:?} {expected:?}");
         }
         last = next;
     }
@@ -88,19 +87,15 @@ fn long(rows: usize) -> Vec<(&'static str, Vec<f64>)> {
     ]
 }
 
-fn borrowed<'a>(columns: &'a [(&'static str, Vec<f64>)], from: usize) -> Vec<(&'a str, &'a [f64])> {
-    columns.iter().map(|(name, values)| (*name, &values[from..])).collect()
-}
-
 #[test]
 fn many_pieces_are_one_series() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let rows = 150_000;
     let columns = long(rows);
-    write(&path("long.parquet"), &borrowed(&columns, 0));
+    write(&path("long.parquet"), &columns, 0);
     let from = 149_000;
-    write(&path("end.parquet"), &borrowed(&columns, from));
+    write(&path("end.parquet"), &columns, from);
     let mut calibration = input();
     for effects in [true, false] {
         if !effects {
@@ -114,7 +109,7 @@ fn many_pieces_are_one_series() {
         let (_, end) = read(&path("end-field.parquet"));
         for (whole, end) in whole.iter().zip(&end) {
             assert_eq!(whole.len(), rows);
-            assert!(whole[from..].iter().zip(end).all(|(a, b)| same(*a, *b)));
+            assert!(all_same(&whole[from..], end));
         }
     }
 }
@@ -124,19 +119,14 @@ fn a_matrix_gives_what_the_passes_give() {
     // An effect of no size makes the chain go row by row.
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
-    write(&path("long.csv"), &borrowed(&long(300), 0));
+    write(&path("long.csv"), &long(300), 0);
     let mut calibration = input();
     let corrected = [true, false].map(|passes| {
         let nothing = AdoptedEffect {
             effect: "quadratic_nonlinearity".into(),
             sensor: Some(Axis::X),
-            coil: None,
-            column: None,
-            recording: None,
-            from_s: None,
-            to_s: None,
             parameters: [("departure_nt".to_string(), Quantity::Bare(0.0))].into_iter().collect(),
-            extra: Default::default(),
+            ..AdoptedEffect::default()
         };
         let effects = if passes { vec![nothing] } else { Vec::new() };
         calibration.model = Some(Model { effects, ..Model::default() });
@@ -145,7 +135,7 @@ fn a_matrix_gives_what_the_passes_give() {
         read(&to).1
     });
     for (passes, matrix) in corrected[0].iter().zip(&corrected[1]) {
-        assert!(passes.iter().zip(matrix).all(|(a, b)| same(*a, *b)));
+        assert!(all_same(passes, matrix));
     }
 }
 
@@ -154,7 +144,7 @@ fn an_effect_that_remembers_takes_the_series_whole() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = |name: &str| folder.path().join(name);
     let columns = long(70_000);
-    write(&path("long.csv"), &borrowed(&columns, 0));
+    write(&path("long.csv"), &columns, 0);
     let mut calibration = input();
     let model = calibration.model.as_mut().expect("a model");
     model.effects[0].effect = "sensitivity_temperature_lag".into();
@@ -169,10 +159,10 @@ fn an_effect_that_remembers_takes_the_series_whole() {
     for (name, values) in columns {
         document.recordings[0].columns.insert(name.into(), values.into());
     }
-    let document = correct::run(document, &Options { frame: Frame::Geo }).expect("corrected");
+    let document = correct::run(document, Frame::Geo).expect("corrected");
     for (name, column) in names.iter().zip(found) {
         let expected = document.recordings[0].column(name).expect("a column");
-        assert!(column.iter().zip(expected).all(|(a, b)| same(*a, *b)), "{name}");
+        assert!(all_same(&column, expected), "{name}");
     }
 }
 
@@ -189,7 +179,7 @@ fn a_stream_goes_through_and_a_closed_pipe_is_quiet() {
 
     let folder = tempfile::tempdir().expect("a folder");
     let long_csv = folder.path().join("long.csv");
-    write(&long_csv, &borrowed(&long(100_000), 0));
+    write(&long_csv, &long(100_000), 0);
     let mut child = Command::new(CORRECT)
         .args(["--calibration", calibration])
         .arg(&long_csv)
@@ -241,11 +231,9 @@ fn iaga_2002_holds_the_field() {
     let (header, data): (Vec<&str>, Vec<&str>) = lines.iter().partition(|line| line.ends_with('|'));
     assert!(header.iter().all(|line| line.len() == 70), "{header:?}");
     assert_eq!(header[3], format!("{:<69}|", " IAGA CODE              FLX"));
-    assert_eq!(
-        header[13],
-        format!("{:<69}|", "DATE       TIME         DOY     FLXX      FLXY      FLXZ      FLXF")
-    );
-    let expected = correct::run(input(), &Options { frame: Frame::Geo }).expect("corrected");
+    let titles = "DATE       TIME         DOY     FLXX      FLXY      FLXZ      FLXF";
+    assert_eq!(header[13], format!("{titles:<69}|"));
+    let expected = correct::run(input(), Frame::Geo).expect("corrected");
     let recording = &expected.recordings[0];
     assert_eq!(data.len(), recording.rows());
     assert!(data[0].starts_with("2026-02-28 23:59:58.500 059  "), "{}", data[0]);
@@ -283,31 +271,30 @@ fn a_mapping_is_read_as_ingest_reads_it() {
         ("map.json", &mapping),
         ("flight.json", &testkit::read_fixture("correct/flight/input.json")),
     ] {
-        std::fs::write(folder.path().join(name), text).expect("written");
+        fs::write(folder.path().join(name), text).expect("written");
     }
     let correct = |arguments: &[&str]| {
         let all = [&["--calibration", "flight.json"], arguments].concat();
-        let run = testkit::run_in(env!("CARGO_BIN_EXE_correct"), folder.path(), &all);
+        let run = testkit::run_in(CORRECT, folder.path(), &all);
         assert_eq!(run.code, 0, "{}", run.stderr);
         (run.stdout, run.stderr)
     };
     let (direct, _) = correct(&["readings.csv"]);
     let (mapped, said) = correct(&["--map", "map.json", "logger.txt"]);
     assert!(said.contains("from 1 file of CSV") && said.contains("correct: 23 of 24 rows"), "{said}");
+    // The values of each column by its name.
     let sorted = |text: &str| {
-        let mut lines = text.lines().map(|line| line.split(',').map(str::to_string).collect::<Vec<_>>());
-        let names = lines.next().expect("names");
-        let rows: Vec<Vec<String>> = lines.collect();
-        let mut columns: Vec<(String, Vec<Option<f64>>)> = (0..names.len())
-            .map(|column| (names[column].clone(), rows.iter().map(|row| row[column].parse().ok()).collect()))
-            .collect();
-        columns.sort_by(|a, b| a.0.cmp(&b.0));
-        columns
+        let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
+        let of = |(column, name): (usize, &&str)| {
+            let values = lines[1..].iter().map(|row| row[column].parse::<f64>().ok()).collect();
+            (name.to_string(), values)
+        };
+        lines[0].iter().enumerate().map(of).collect::<BTreeMap<String, Vec<_>>>()
     };
     assert_eq!(sorted(&direct), sorted(&mapped));
     // IAGA-2002 describes its own columns; without sensitivities in V its readings in nT are what is
     // corrected.
-    std::fs::copy(testkit::fixture("ingest/lemi.sec"), folder.path().join("lemi.sec")).expect("copied");
+    fs::copy(testkit::fixture("ingest/lemi.sec"), folder.path().join("lemi.sec")).expect("copied");
     let (iaga, said) = correct(&["lemi.sec"]);
     assert!(said.contains("IAGA-2002") && iaga.starts_with("time_s,"), "{said}");
 }

@@ -6,11 +6,11 @@
 
 use common::uncertainty::{VOLTMETER_ABSOLUTE, VOLTMETER_RELATIVE};
 use common::{Document, Quantity, Uncertainty, procedure, uncertainty};
-use correct::Options;
+use correct::Frame;
 use indexmap::IndexMap;
 use serde_json::Value;
 
-use crate::campaign::{campaign, flight, read, stages};
+use crate::campaign::{flight, planned, read, stages};
 
 /// Sources move by this share of a standard uncertainty, so that what is not linear stays small.
 const SHARE: f64 = 0.1;
@@ -29,53 +29,41 @@ fn values(document: &Document, paths: &[String]) -> IndexMap<String, f64> {
     values
 }
 
-/// Visits every parameter with its path; its value may be changed.
+/// Visits every number of the calibration, and every parameter of an effect, with its path: a quantity by its
+/// value. It may be changed.
 fn each(document: &mut Document, mut visit: impl FnMut(&str, &mut f64)) {
-    let mut quantity = |path: String, quantity: &mut Quantity| {
-        if let Quantity::Stated { value, .. } = quantity {
-            visit(&path, value);
-        }
-    };
-    let calibration = document.calibration.as_mut().expect("a calibration");
-    for axis in common::Axis::ALL {
-        if let Some(coil) = calibration.coils.as_mut().and_then(|coils| coils.entry(axis).as_mut()) {
-            coil.constant_nt_per_a.iter_mut().for_each(|q| quantity(uncertainty::coil_constant(axis), q));
-            coil.offset_nt.iter_mut().for_each(|q| quantity(uncertainty::coil_offset(axis), q));
-        }
-        if let Some(sensor) = calibration.sensors.as_mut().and_then(|sensors| sensors.entry(axis).as_mut()) {
-            sensor
-                .sensitivity_nt_per_v
-                .iter_mut()
-                .for_each(|q| quantity(uncertainty::sensitivity(axis, "v"), q));
-            sensor.offset_nt.iter_mut().for_each(|q| quantity(uncertainty::sensor_offset(axis), q));
-        }
-        if let Some(axes) = &mut calibration.axes {
-            let of = |each: &mut Option<common::PerAxis<Quantity>>| {
-                each.as_mut().and_then(|each| each.entry(axis).take())
-            };
-            let (mut added, mut field) = (of(&mut axes.offsets_nt), of(&mut axes.residual_field_nt));
-            added.iter_mut().for_each(|q| quantity(uncertainty::added_offset(axis), q));
-            field.iter_mut().for_each(|q| quantity(uncertainty::residual_field(axis), q));
-            let put = |each: &mut Option<common::PerAxis<Quantity>>, value: Option<Quantity>| {
-                each.iter_mut().for_each(|each| *each.entry(axis) = value.clone());
-            };
-            put(&mut axes.offsets_nt, added);
-            put(&mut axes.residual_field_nt, field);
-        }
-    }
+    let mut calibration = serde_json::to_value(&document.calibration).expect("JSON");
+    walk("calibration", &mut calibration, &mut visit);
+    document.calibration = serde_json::from_value(calibration).expect("a calibration");
     for effect in document.model.iter_mut().flat_map(|model| &mut model.effects) {
         let paths: Vec<String> =
             effect.parameters.keys().map(|name| uncertainty::effect(effect, name)).collect();
-        effect.parameters.values_mut().zip(paths).for_each(|(q, path)| quantity(path, q));
-    }
-    let axes = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut());
-    for (name, directions) in
-        axes.into_iter().flat_map(|axes| [("sensors", &mut axes.sensors), ("coils", &mut axes.coils)])
-    {
-        let Some(matrix) = directions.as_mut().and_then(|of| of.matrix.as_mut()) else { continue };
-        for (at, path) in uncertainty::directions(name).into_iter().enumerate() {
-            visit(&path, &mut matrix[at % 3][at / 3]);
+        for (quantity, path) in effect.parameters.values_mut().zip(paths) {
+            if let Quantity::Stated { value, .. } = quantity {
+                visit(&path, value);
+            }
         }
+    }
+}
+
+fn walk(path: &str, json: &mut Value, visit: &mut dyn FnMut(&str, &mut f64)) {
+    match json {
+        Value::Number(number) => {
+            let before = number.as_f64().expect("a number");
+            let mut after = before;
+            visit(path, &mut after);
+            if after != before {
+                *json = after.into();
+            }
+        }
+        Value::Array(list) => {
+            list.iter_mut().enumerate().for_each(|(k, one)| walk(&format!("{path}[{k}]"), one, visit));
+        }
+        Value::Object(keys) => keys.iter_mut().for_each(|(key, one)| {
+            let below = format!("{path}.{key}");
+            walk(if key == "value" { path } else { &below }, one, visit);
+        }),
+        _ => {}
     }
 }
 
@@ -111,10 +99,8 @@ fn beside(document: &Document, after: &Document, moves: &IndexMap<String, f64>, 
     let by = |path: &str| moves.get(path).copied().unwrap_or(0.0);
     let calibration = document.calibration.as_ref().expect("a calibration");
     let of = |axis: common::Axis| {
-        let k = calibration
-            .coil(axis)
-            .and_then(|coil| coil.constant_nt_per_a.as_ref())
-            .map_or(0.0, Quantity::value);
+        let constant = calibration.coil(axis).and_then(|coil| coil.constant_nt_per_a.as_ref());
+        let k = constant.map_or(0.0, Quantity::value);
         let current: f64 =
             uncertainty::of_current(document, axis, k).iter().map(|(path, like)| like[1] * by(path)).sum();
         if path == uncertainty::added_offset(axis) {
@@ -146,12 +132,11 @@ fn check(before: &Document, stages: &dyn Fn(&Document) -> Document, after: &Docu
         for (path, up) in &up {
             let by = (up - down[path]) / (2.0 * SHARE) + beside(before, after, &source.moves, path);
             let apart = (by - said.moves.get(path).copied().unwrap_or(0.0)).abs();
+            let (name, std) = (&source.name, found.std(path));
             assert!(
-                apart <= APART * found.std(path),
-                "{}: {path} moves by {by:e} where {:?} is said, with a standard uncertainty of {:e}",
-                source.name,
-                said.moves.get(path),
-                found.std(path)
+                apart <= APART * std,
+                "{name}: {path} moves by {by:e}, of {std:e}; said: {:?}",
+                said.moves
             );
             tested += 1;
         }
@@ -161,7 +146,7 @@ fn check(before: &Document, stages: &dyn Fn(&Document) -> Document, after: &Docu
 
 #[test]
 fn sources_move_what_they_say_through_every_stage() {
-    let (document, truth) = campaign(1);
+    let (document, truth) = planned("plans/magsat.json", 1);
     let coils = stages(&["coilcal"], &document);
     let sensors = stages(&["sensorcal"], &coils);
     let axes = stages(&["axescal"], &sensors);
@@ -178,12 +163,12 @@ fn corrected(document: &Document, truth: &Value) {
     let column = |document: &Document, name: &str| -> Vec<f64> {
         document.recordings[0].column(name).expect("a column").to_vec()
     };
-    let run = |document: &Document| correct::run(document.clone(), &Options::default()).expect("corrected");
+    let run = |document: &Document| correct::run(document.clone(), Frame::Sen).expect("corrected");
     let quiet = |document: &mut Document| {
         document.instrument.as_mut().expect("an instrument").noise = None;
         document.instrument.as_mut().expect("an instrument").quantisation_v = None;
-        for (axis, _) in document.calibration.clone().and_then(|c| c.sensors).expect("sensors").iter() {
-            let sensors = document.calibration.as_mut().and_then(|c| c.sensors.as_mut()).expect("sensors");
+        let sensors = document.calibration.as_mut().and_then(|c| c.sensors.as_mut()).expect("sensors");
+        for axis in common::Axis::ALL {
             sensors.entry(axis).as_mut().expect("a sensor").noise = None;
         }
     };
@@ -206,11 +191,8 @@ fn corrected(document: &Document, truth: &Value) {
     }
     for ((_, name), sums) in names.iter().zip(&sums) {
         for (row, (std, sum)) in column(&stated, name).iter().zip(sums).enumerate() {
-            assert!(
-                (std / sum.sqrt() - 1.0).abs() < 2e-3,
-                "row {row}: {name} {std} where {} is found",
-                sum.sqrt()
-            );
+            let due = sum.sqrt();
+            assert!((std / due - 1.0).abs() < 2e-3, "row {row}: {name} {std} where {due} is found");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Laws over drawn campaigns: what does not matter to a corrected field, and what changes it in a known way.
 //! FLUXCAL_CAMPAIGNS sets how many.
 
-use correct::{Frame, Options};
+use correct::Frame;
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
 
@@ -27,7 +27,7 @@ fn document(seed: u64) -> Value {
 }
 
 fn run(frame: Frame) -> impl Fn(&Value) -> Value {
-    laws::stage(move |document| correct::run(document, &Options { frame }))
+    laws::stage(move |document| correct::run(document, frame))
 }
 
 fn each(law: impl Fn(u64, &Value)) {
@@ -42,72 +42,52 @@ const UNCERTAINTIES: &[&str] = &["field_std_x_nt", "field_std_y_nt", "field_std_
 /// The covariance of a field in GEO is not written.
 const IN_GEO: &[&str] = &["field_geo_std_x_nt", "field_geo_std_y_nt", "field_geo_std_z_nt"];
 
+/// That what is corrected of a changed document is the corrected document, changed.
+fn commutes(name: &str, frame: Frame, change: impl Fn(u64, &Value) -> Value, close: &Close) {
+    each(|seed, document| laws::commutes(name, document, |it| change(seed, it), run(frame), close));
+}
+
 #[test]
 fn the_names_of_the_axes_do_not_matter() {
-    each(|_, document| {
-        for frame in [Frame::Sen, Frame::Geo] {
-            laws::commutes("rename", document, laws::rename_axes, run(frame), &CORRECTED);
-        }
-    });
+    for frame in [Frame::Sen, Frame::Geo] {
+        commutes("rename", frame, |_, document| laws::rename_axes(document), &CORRECTED);
+    }
 }
 
 #[test]
 fn volts_and_amperes_by_another_measure_change_no_field() {
-    let law = |_, document: &Value| {
-        laws::commutes(
-            "volts",
-            document,
-            |document| laws::scale_volts(document, 0.73),
-            run(Frame::Sen),
-            &CORRECTED,
-        );
-    };
-    each(law);
+    commutes("volts", Frame::Sen, |_, document| laws::scale_volts(document, 0.73), &CORRECTED);
 }
 
 #[test]
 fn turning_geo_turns_the_field_in_it_and_no_other() {
-    let law = |seed, document: &Value| {
-        let turn = |document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
-        laws::commutes("geo", document, turn, run(Frame::Sen), &CORRECTED);
-        laws::commutes("geo", document, turn, run(Frame::Geo), &CORRECTED.but(IN_GEO));
-    };
-    each(law);
+    let turn = |seed, document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
+    commutes("geo", Frame::Sen, turn, &CORRECTED);
+    commutes("geo", Frame::Geo, turn, &CORRECTED.but(IN_GEO));
 }
 
 #[test]
 fn the_order_of_recordings_does_not_matter() {
-    let law = |seed, document: &Value| {
-        laws::commutes(
-            "order",
-            document,
-            |document| laws::reorder(document, seed),
-            run(Frame::Sen),
-            &Close::EXACT,
-        );
-    };
-    each(law);
+    commutes("order", Frame::Sen, |seed, document| laws::reorder(document, seed), &Close::EXACT);
 }
 
 #[test]
 fn a_recording_in_two_is_the_same() {
-    let law = |seed, document: &Value| {
+    each(|seed, document| {
         let mut document = document.clone();
         // Flicker noise reaches down to one over a recording's length: a shorter one has less.
         document["instrument"]["noise"] = json!({"white_rms_nt": 0.05});
         let halves = |document: &Value| laws::split(document, "axes_orientation", 1, seed);
         // The chain is inverted until every row of a recording settles, which is a last digit more or less.
         laws::commutes("split", &document, halves, run(Frame::Sen), &CORRECTED);
-    };
-    each(law);
+    });
 }
 
 #[test]
 fn twice_the_uncertainty_is_twice_the_interval() {
-    let law = |_, document: &Value| {
-        let (once, twice) =
-            (run(Frame::Sen)(document), run(Frame::Sen)(&laws::double_noise(document, document)));
-        let mut expected = once.clone();
+    each(|_, document| {
+        let run = run(Frame::Sen);
+        let (mut expected, twice) = (run(document), run(&laws::double_noise(document, document)));
         for recording in expected["recordings"].as_array_mut().expect("recordings") {
             for name in &UNCERTAINTIES[..3] {
                 for std in recording["columns"][*name].as_array_mut().expect("a column") {
@@ -116,8 +96,7 @@ fn twice_the_uncertainty_is_twice_the_interval() {
             }
         }
         CORRECTED.check("noise", &twice["recordings"], &expected["recordings"]);
-    };
-    each(law);
+    });
 }
 
 #[test]
@@ -127,9 +106,6 @@ fn unknown_keys_change_nothing_and_stay() {
 
 #[test]
 fn a_reference_temperature_moves_the_constants_and_no_field() {
-    let law = |_, document: &Value| {
-        let moved = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
-        laws::commutes("reference", document, moved, run(Frame::Sen), &CORRECTED.but(UNCERTAINTIES));
-    };
-    each(law);
+    let moved = |_, document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
+    commutes("reference", Frame::Sen, moved, &CORRECTED.but(UNCERTAINTIES));
 }

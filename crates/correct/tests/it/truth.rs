@@ -1,7 +1,7 @@
 //! A flight that a NumPy script made, with the true field and the spread of 40 000 drawn calibrations.
 
 use common::{Document, Recording};
-use correct::{Frame, Options, flags};
+use correct::{Frame, flags};
 use serde_json::Value;
 
 const INPUT: &str = "correct/flight/input.json";
@@ -19,7 +19,7 @@ fn truth(document: &Document, key: &str) -> Vec<[f64; 3]> {
 fn field_and_uncertainty_are_those_of_the_script() {
     for (frame, key) in [(Frame::Sen, "sen"), (Frame::Geo, "geo")] {
         let input = Document::parse(&testkit::read_fixture(INPUT)).expect("a document");
-        let document = correct::run(input, &Options { frame }).expect("corrected");
+        let document = correct::run(input, frame).expect("corrected");
         let fields = truth(&document, &format!("field_{key}_nt"));
         let stds = truth(&document, &format!("std_{key}_nt"));
         let recording = flight(&document);
@@ -54,7 +54,7 @@ fn what_is_beyond_the_calibration_is_flagged() {
     columns["sensor_x_v"][3] = 66_000.0 / 6401.2;
     columns["sensor_temperature_c"][4] = 29.0;
     columns["sensor_temperature_c"][0] = 23.0;
-    let document = correct::run(input, &Options::default()).expect("corrected");
+    let document = correct::run(input, Frame::Sen).expect("corrected");
     let found = flight(&document).column("field_flags").expect("flags");
     // Without a temperature run the calibration is taken to hold within 5 K of the reference.
     assert_eq!(found[0], 0.0);

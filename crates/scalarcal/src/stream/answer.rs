@@ -15,9 +15,8 @@ use crate::kalman::WHITE;
 use crate::model::{Model, Parameter, State};
 use crate::noise::Groups;
 use crate::read::{self, Series, Source};
-use crate::seen::{before, reference_offset};
+use crate::seen::{self, Part, before, reference_offset};
 use crate::solved::{Detail, Solved};
-use crate::stability::{self, Part};
 use crate::terms::{ONE, Terms};
 use crate::{Error, Options, checks, result, start, words};
 
@@ -70,7 +69,7 @@ fn solve(
     let (windows, left_out) = used(partial);
     let columns = Terms::new(ONE + 1).count();
     let raw = Factor::joined(columns, windows.iter().map(|(_, window)| &window.factor));
-    if raw.rows() == 0 {
+    if raw.rows == 0 {
         return Err(Error::Request(
             "no row in which all three sensors and the reference were read; expected rows without a null"
                 .into(),
@@ -115,7 +114,7 @@ fn used(partial: &Partial) -> (Vec<Placed>, Vec<(String, u64)>) {
     let mut windows: Vec<Placed> = Vec::new();
     for (place, at, window) in partial.windows.iter() {
         match (ends::sensor(at & piles), windows.last_mut()) {
-            (Some(axis), _) => left_out[axis.index()] += window.factor.rows(),
+            (Some(axis), _) => left_out[axis.index()] += window.factor.rows,
             (None, Some((last, own))) if *last == place => own.join(window),
             (None, _) => windows.push((place, window.clone())),
         }
@@ -146,12 +145,12 @@ fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Err
     }
     for (a, b) in [(Axis::X, Axis::Y), (Axis::Y, Axis::Z), (Axis::X, Axis::Z)] {
         let apart = product(a, a) + product(b, b) - 2.0 * product(a, b);
-        if raw.rows() > 1 && apart <= SAME * product(a, a) {
+        if raw.rows > 1 && apart <= SAME * product(a, a) {
             let found = format!("the readings of {}", name(a));
             return refused(b, found, "readings of its own; was a column copied?");
         }
     }
-    let mean_square = |sum: f64| (4.0 * sum / raw.rows() as f64).sqrt();
+    let mean_square = |sum: f64| (4.0 * sum / raw.rows as f64).sqrt();
     let magnitude_nt = mean_square(raw.product(last, last));
     let length = mean_square(Axis::ALL.into_iter().map(square).sum::<f64>());
     let column = if partial.source() == Source::Ambient { "ambient_x_nt" } else { "reference_nt" };
@@ -166,7 +165,7 @@ fn column_scales(terms: &Terms, scales: &Scales) -> Vec<f64> {
         ONE => 1.0,
         _ => 1.0 / scales.magnitude_nt,
     };
-    terms.pairs().iter().map(|[f, g]| one(*f) * one(*g) * scales.magnitude_nt).collect()
+    terms.pairs.iter().map(|[f, g]| one(*f) * one(*g) * scales.magnitude_nt).collect()
 }
 
 /// The sample as a recording, without rows that are left out.
@@ -206,7 +205,7 @@ fn seen(
 ) -> Result<(), Error> {
     let Solved { model, found, scales, .. } = &*solved;
     let upper = detail.plain.upper();
-    let rows = detail.plain.rows() as f64;
+    let rows = detail.plain.rows as f64;
     let rms_nt = |state: &State| variance(model, &upper, state, rows).sqrt() * scales.magnitude_nt;
     // Columns ½ and F/2.
     let (half, whole) = (model.terms.count() - 2, model.terms.count() - 1);
@@ -222,12 +221,12 @@ fn seen(
     };
     let (now, before) = (rms_nt(&found.state), before(document, solved).map(|state| rms_nt(&state)));
     let reference_offset = reference_offset(solved, varies_nt, about)?;
-    let stability = stability::of(solved, parts(partial, solved, windows, options))?;
+    let stability = seen::stability(solved, parts(partial, solved, windows, options))?;
     let scalar = &mut solved.scalar;
     (scalar.rms_nt, scalar.rms_before_nt) = (now, before);
     (scalar.reference_offset, scalar.stability) = (reference_offset, stability);
     scalar.findings.extend(checks::repeats(partial.repeated, partial.rows));
-    let width_s = f64::from(partial.windows.level()).exp2();
+    let width_s = f64::from(partial.windows.level).exp2();
     if let Some(length) = options.windows_s.filter(|length| width_s > 2.0 * length) {
         scalar.findings.push(format!(
             "windows of {width_s} s are the shortest kept for a series of this length; {length} s were requested"
@@ -241,17 +240,17 @@ fn parts(partial: &Partial, solved: &Solved, windows: &[Placed], options: &Optio
     let Solved { model, found, scales, .. } = solved;
     let joined = |shift: u32| windows.chunk_by(move |one, next| one.0 >> shift == next.0 >> shift);
     let shift = match options.windows_s {
-        Some(length) => (length.log2().ceil() - f64::from(partial.windows.level())).clamp(0.0, 62.0) as u32,
+        Some(length) => (length.log2().ceil() - f64::from(partial.windows.level)).clamp(0.0, 62.0) as u32,
         None => {
-            let rows = (stability::ROWS_PER_PARAMETER * model.parameters.len()) as u64;
-            let most = (solved.scalar.rows / rows).clamp(1, stability::PARTS as u64) as usize;
+            let rows = (seen::ROWS_PER_PARAMETER * model.parameters.len()) as u64;
+            let most = (solved.scalar.rows / rows).clamp(1, seen::PARTS as u64) as usize;
             (0..62).find(|shift| joined(*shift).count() <= most).unwrap_or(62)
         }
     };
     let of = |part: &[Placed]| {
         let mut all = part[0].1.clone();
         part[1..].iter().for_each(|(_, window)| all.join(window));
-        let rows = all.factor.rows();
+        let rows = all.factor.rows;
         let squares = variance(model, &all.factor.upper(), &found.state, rows as f64);
         let rms_nt = squares.sqrt() * scales.magnitude_nt;
         Part { span_s: all.span_s, rows, rms_nt, groups: groups(part, model, found) }

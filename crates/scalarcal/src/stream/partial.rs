@@ -2,12 +2,31 @@ use partial::{Covered, MOST};
 use physics::Unit;
 use serde::{Deserialize, Serialize};
 
-use super::error::Error;
 use super::sample::Sample;
 use super::windows::Closed;
 use crate::ends::Ends;
 use crate::read::Source;
 use crate::terms::{ONE, Terms};
+
+/// Why rows cannot be taken, or pieces not be joined.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum Error {
+    /// As with every series.
+    #[error(transparent)]
+    Piece(#[from] partial::Error),
+    /// A time is far from any.
+    #[error(
+        "row {row}: found {time_s} s; expected seconds of a clock, less than 10¹² (is it in another unit?)"
+    )]
+    Far {
+        /// Row from 0.
+        row: u64,
+        /// Its time, s.
+        time_s: f64,
+    },
+}
+
+impl common::Told for Error {}
 
 /// All that is kept of a piece of a series, whatever its length. Pieces are joined by [`partial::merge`] and
 /// answered by [`super::document`].
@@ -30,10 +49,8 @@ pub struct Partial {
     /// The largest and the smallest readings.
     #[serde(default, skip_serializing_if = "Ends::is_empty")]
     pub(super) ends: Ends,
-    /// Factors of the products.
     #[serde(flatten)]
     pub(super) windows: Closed,
-    /// A sample of the rows.
     pub(super) sample: Sample,
 }
 

@@ -4,7 +4,6 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Rows that are kept.
 const KEPT: usize = 128;
 
 /// Time (s), readings, magnitude (nT).
@@ -16,7 +15,6 @@ pub type Row = [f64; 5];
 pub struct Sample(BTreeMap<u64, Row>);
 
 impl Sample {
-    /// Takes a row.
     pub fn take(&mut self, row: Row) {
         let key = hash(row[0]);
         if self.0.len() == KEPT {

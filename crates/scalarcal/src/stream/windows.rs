@@ -29,12 +29,10 @@ pub fn holds(time_s: f64) -> bool {
 pub struct Window {
     /// First and last moment, s.
     pub span_s: [f64; 2],
-    /// Their factor.
     pub factor: Factor,
 }
 
 impl Window {
-    /// Takes the rows of another.
     pub fn join(&mut self, other: &Self) {
         self.span_s = [self.span_s[0].min(other.span_s[0]), self.span_s[1].max(other.span_s[1])];
         self.factor.join(&other.factor);
@@ -45,7 +43,8 @@ impl Window {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Listed", into = "Listed")]
 pub struct Closed {
-    level: i32,
+    /// log₂ of the width, s.
+    pub level: i32,
     windows: BTreeMap<(i64, At), Window>,
 }
 
@@ -87,17 +86,11 @@ impl Default for Closed {
 }
 
 impl Closed {
-    /// log₂ of the width, s.
-    pub fn level(&self) -> i32 {
-        self.level
-    }
-
     /// Place, ends at which the rows stand, and the rows of each window, in the order of time.
     pub fn iter(&self) -> impl Iterator<Item = (i64, At, &Window)> {
         self.windows.iter().map(|((place, at), window)| (*place, *at, window))
     }
 
-    /// Adds rows.
     fn add(&mut self, key: (i64, At), window: &Window) {
         self.windows.entry(key).and_modify(|own| own.join(window)).or_insert_with(|| window.clone());
     }
@@ -122,7 +115,6 @@ impl Closed {
         }
     }
 
-    /// Takes the windows of another.
     pub fn merge(&mut self, mut other: Self) {
         while self.level < other.level {
             self.widen();
@@ -142,7 +134,7 @@ impl Closed {
             let [from, to] = window.span_s;
             from <= to && holds(from) && holds(to) && window.factor.is_whole(columns)
         };
-        let found = self.windows.values().try_fold(0u64, |sum, window| sum.checked_add(window.factor.rows()));
+        let found = self.windows.values().try_fold(0u64, |sum, window| sum.checked_add(window.factor.rows));
         (LOWEST..=HIGHEST).contains(&self.level)
             && self.places() <= MOST
             && self.windows.values().all(good)
@@ -179,7 +171,6 @@ impl Windows {
         Self { columns, per_second: (-f64::from(closed.level)).exp2(), closed, open: BTreeMap::new() }
     }
 
-    /// Takes a row.
     pub fn row(&mut self, at: At, time_s: f64, products: &[f64]) {
         let place = (time_s * self.per_second).floor() as i64;
         match self.open.get_mut(&at) {
@@ -237,7 +228,6 @@ impl Windows {
         }
     }
 
-    /// All windows.
     pub fn closed(mut self) -> Closed {
         let all: Vec<At> = self.open.keys().copied().collect();
         all.into_iter().for_each(|at| self.close(at));

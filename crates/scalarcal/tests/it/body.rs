@@ -3,7 +3,6 @@
 
 use common::{Axis, BodyIron, Document};
 use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
 use scalarcal::Options;
 
 use crate::build::{Campaign, findings, found, intervals_hold, near, run, scalar, told};
@@ -66,9 +65,8 @@ fn intervals_of_the_iron_hold() {
         assert!(scalar(&document).includes_body);
         iron(&document).iter().zip(&truth).map(|((value, std), truth)| (value - truth, *std)).collect()
     };
-    let campaigns: Vec<Vec<(f64, f64)>> = (0..testkit::campaigns(12)).into_par_iter().map(of).collect();
     let names = ["x", "y", "z", "xx", "yy", "zz", "xy", "yz", "xz"];
-    intervals_hold("iron", &names, &campaigns, [0.93, 0.97]);
+    intervals_hold("iron", &names, (12, [0.93, 0.97]), of);
 }
 
 #[test]

@@ -2,12 +2,15 @@
 //! − O)/k.
 
 use common::{
-    Axis, Calibration, Column, Document, Facility, Instrument, Recording, ScalarCalibration, procedure,
+    Axis, Calibration, Column, Document, Facility, Instrument, Noise, NoiseOfSensors, Recording,
+    ScalarCalibration, procedure,
 };
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use noise::Stream;
+use partial::Take;
 use physics::Unit;
-use scalarcal::stream::{Batch, Partial, Statistics};
+use rayon::prelude::*;
+use scalarcal::stream::{Partial, Statistics};
 use scalarcal::{Error, Options, Source};
 use std::ops::Range;
 
@@ -50,6 +53,9 @@ pub struct Campaign {
     pub hard_nt: Vector3<f64>,
 }
 
+/// The nine parameters, and how the offsets follow a temperature.
+pub const NAMES: [&str; 15] =
+    ["k x", "k y", "k z", "O x", "O y", "O z", "xy", "yz", "xz", "x/K", "x/K²", "y/K", "y/K²", "z/K", "z/K²"];
 pub const MAGNITUDE_NT: f64 = 48_000.0;
 
 impl Default for Campaign {
@@ -171,23 +177,22 @@ impl Campaign {
 
 /// Some rows of the recording, as they are kept of a stream.
 pub fn piece(document: &Document, rows: Range<usize>) -> Partial {
+    let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
+    take(&mut statistics, document, rows);
+    statistics.finish().expect("a piece")
+}
+
+pub fn take(statistics: &mut Statistics, document: &Document, rows: Range<usize>) {
     let recording = &document.recordings[0];
     let column = |name: &str| &recording.column(name).expect("a column")[rows.clone()];
-    let batch = Batch {
-        time_s: column("time_s"),
-        readings: ["sensor_x_v", "sensor_y_v", "sensor_z_v"].map(column),
-        magnitude_nt: column("reference_nt"),
-    };
-    let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
-    statistics.push(&batch).expect("good rows");
-    statistics.finish()
+    let columns = ["time_s", "sensor_x_v", "sensor_y_v", "sensor_z_v", "reference_nt"].map(column);
+    statistics.push(&columns).expect("good rows");
 }
 
 /// Declares that the noise is white.
 pub fn declared(mut document: Document, white_nt: f64) -> Document {
-    let noise = serde_json::json!({"white_rms_nt": white_nt});
-    let instrument = document.instrument.get_or_insert_default();
-    instrument.noise = Some(serde_json::from_value(noise).expect("a noise"));
+    let noise = Noise { white_rms_nt: Some(white_nt), ..Noise::default() };
+    document.instrument.get_or_insert_default().noise = Some(NoiseOfSensors::Same(noise));
     document
 }
 
@@ -241,9 +246,15 @@ pub fn directions(calibration: &Calibration) -> [Vector3<f64>; 3] {
     [0, 1, 2].map(|k| Vector3::from_fn(|row, _| matrix[row][k]).normalize())
 }
 
-/// That intervals of 95 % hold as often as a band says, by the error and the standard uncertainty of each
-/// parameter in each campaign.
-pub fn intervals_hold(name: &str, parameters: &[&str], campaigns: &[Vec<(f64, f64)>], band: [f64; 2]) {
+/// That intervals of 95 % hold as often as a band says in as many campaigns as are usual, by the error and the
+/// standard uncertainty of each parameter in each campaign, which `of` a seed gives.
+pub fn intervals_hold(
+    name: &str,
+    parameters: &[&str],
+    (usual, band): (u64, [f64; 2]),
+    of: impl Fn(u64) -> Vec<(f64, f64)> + Sync + Send,
+) -> Vec<Vec<(f64, f64)>> {
+    let campaigns: Vec<Vec<(f64, f64)>> = (0..testkit::campaigns(usual)).into_par_iter().map(of).collect();
     let count = campaigns.len();
     for (place, parameter) in parameters.iter().enumerate() {
         let all = || campaigns.iter().map(|one| one[place]);
@@ -258,4 +269,5 @@ pub fn intervals_hold(name: &str, parameters: &[&str], campaigns: &[Vec<(f64, f6
         let agrees = testkit::agrees(inside, count, band, parameters.len());
         assert!(agrees, "{name}, {parameter}: {inside} of {count} in their 95 % intervals");
     }
+    campaigns
 }

@@ -1,16 +1,14 @@
 //! Coverage of the 95 % intervals of all nine parameters. FLUXCAL_CAMPAIGNS sets how many campaigns.
 
 use common::Document;
-use rayon::prelude::*;
 use scalarcal::{Options, stream};
 
-use crate::build::{Campaign, MAGNITUDE_NT, Turns, found, intervals_hold, piece};
+use crate::build::{Campaign, MAGNITUDE_NT, NAMES, Turns, found, intervals_hold, piece};
 
 /// The interval's share, and what is allowed.
 const BAND: [f64; 2] = [0.93, 0.97];
 /// Of a stream, whose intervals are the wider of two: they may hold always.
 const WIDE: [f64; 2] = [0.93, 1.0];
-const NAMES: [&str; 9] = ["k x", "k y", "k z", "O x", "O y", "O z", "xy", "yz", "xz"];
 
 fn covered(name: &str, campaign: &Campaign, usual: u64, band: [f64; 2]) {
     let options = Options { constant_magnitude: campaign.wanders.is_some(), ..Options::default() };
@@ -35,12 +33,10 @@ fn covered_by(
     run: impl Fn(Document) -> Result<Document, scalarcal::Error> + Sync,
 ) {
     let truth = campaign.truth();
-    let of = |seed: u64| {
+    intervals_hold(name, &NAMES[..9], (usual, band), |seed| {
         let document = run(campaign.document(seed)).unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
         found(&document).iter().zip(truth).map(|((value, std), truth)| (value - truth, *std)).collect()
-    };
-    let campaigns: Vec<Vec<(f64, f64)>> = (0..testkit::campaigns(usual)).into_par_iter().map(of).collect();
-    intervals_hold(name, &NAMES, &campaigns, band);
+    });
 }
 
 /// Noise of 1 % of the magnitude.

@@ -3,11 +3,10 @@
 
 use common::{Axis, Document};
 use physics::Kind;
-use rayon::prelude::*;
 use scalarcal::Options;
 use simulate::{Plan, Procedure};
 
-use crate::build::{constants, directions, found, intervals_hold, run};
+use crate::build::{NAMES, constants, directions, found, intervals_hold, run};
 
 /// What Merayo et al. (2000) report of good data: angles, arcsec, and offsets, nT.
 const MERAYO: [f64; 2] = [2.0, 0.2];
@@ -68,36 +67,23 @@ fn truth(plan: &Plan) -> Vec<f64> {
 
 /// Campaigns against the truth.
 fn against_truth(name: &str, warm: bool, usual: u64) {
-    let campaigns = testkit::campaigns(usual);
-    let options =
-        Options { with: if warm { vec![Kind::OffsetTemperature] } else { vec![] }, ..Options::default() };
-    let off: Vec<Vec<(f64, f64)>> = (0..campaigns)
-        .into_par_iter()
-        .map(|seed| {
-            let plan = plan(seed, warm);
-            let document = run(recorded(&plan), &options);
-            let mut expected = truth(&plan);
-            if warm {
-                expected.extend(PER_K.iter().flat_map(|per_k| [*per_k, 0.0]));
-            }
-            let found = found(&document);
-            assert_eq!(found.len(), expected.len());
-            found.iter().zip(expected).map(|((value, std), truth)| (value - truth, *std)).collect()
-        })
-        .collect();
-    let names: Vec<String> = (0..off[0].len()).map(|parameter| format!("parameter {parameter}")).collect();
-    for (number, parameter) in names.iter().enumerate() {
+    let with = if warm { vec![Kind::OffsetTemperature] } else { vec![] };
+    let options = Options { with, ..Options::default() };
+    let off = intervals_hold(name, &NAMES[..if warm { 15 } else { 9 }], (usual, BAND), |seed| {
+        let plan = plan(seed, warm);
+        let found = found(&run(recorded(&plan), &options));
+        let mut expected = truth(&plan);
+        if warm {
+            expected.extend(PER_K.iter().flat_map(|per_k| [*per_k, 0.0]));
+        }
+        assert_eq!(found.len(), expected.len());
+        found.iter().zip(expected).map(|((value, std), truth)| (value - truth, *std)).collect()
+    });
+    for (number, parameter) in NAMES.iter().enumerate().take(9).skip(3) {
         let worst = off.iter().map(|one| one[number].0.abs()).fold(0.0, f64::max);
         println!("{name}, {parameter}: largest error {worst:.4}");
-        let limit = match number {
-            3..6 => MERAYO[1],
-            6..9 => MERAYO[0],
-            _ => f64::INFINITY,
-        };
-        assert!(worst <= limit, "{name}, {parameter}: off by {worst}");
+        assert!(worst <= MERAYO[usize::from(number < 6)], "{name}, {parameter}: off by {worst}");
     }
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    intervals_hold(name, &names, &off, BAND);
 }
 
 #[test]

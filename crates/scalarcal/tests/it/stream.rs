@@ -1,15 +1,15 @@
 //! One pass against rows at hand, and pieces in any order and grouping against one pass.
 
 use common::{Document, ScalarCalibration};
-use partial::{Error as Fault, merge, parse, to_line};
+use partial::{Take, merge, parse, to_line};
 use physics::Unit;
-use scalarcal::stream::{self, Batch, Error, Partial, Statistics};
+use scalarcal::stream::{self, Partial, Statistics};
 use scalarcal::{Options, Source};
 
 use std::cell::RefCell;
 use std::ops::Range;
 
-use crate::build::{Campaign, change, declared, findings, found, piece, run, scalar};
+use crate::build::{Campaign, change, declared, findings, found, piece, run, scalar, take};
 
 fn answer(partial: &Partial, document: &Document) -> Document {
     stream::document(partial, document.clone(), &Options::default()).unwrap_or_else(|error| panic!("{error}"))
@@ -61,21 +61,13 @@ fn one_pass_is_what_the_rows_at_hand_say() {
 #[test]
 fn batches_do_not_matter() {
     let document = clipped(4, 2000);
-    let recording = &document.recordings[0];
-    let column = |name: &str| recording.column(name).expect("a column");
     let whole = to_line(&piece(&document, 0..2000));
     for batch in [1, 7, 1000] {
         let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
         for from in (0..2000).step_by(batch) {
-            let rows = from..(from + batch).min(2000);
-            let batch = Batch {
-                time_s: &column("time_s")[rows.clone()],
-                readings: ["sensor_x_v", "sensor_y_v", "sensor_z_v"].map(|name| &column(name)[rows.clone()]),
-                magnitude_nt: &column("reference_nt")[rows.clone()],
-            };
-            statistics.push(&batch).expect("good rows");
+            take(&mut statistics, &document, from..(from + batch).min(2000));
         }
-        assert_eq!(to_line(&statistics.finish()), whole, "{batch}");
+        assert_eq!(to_line(&statistics.finish().expect("a piece")), whole, "{batch}");
     }
     let read: Partial = parse(&whole).expect("a piece");
     assert_eq!(to_line(&read), whole);
@@ -133,17 +125,8 @@ fn widths_of_any_ratio_are_joined() {
 }
 
 #[test]
-fn what_a_stream_cannot_take_is_refused() {
+fn what_needs_rows_is_refused() {
     let document = clipped(7, 600);
-    let first = piece(&document, 0..300);
-    let twice = merge(vec![first.clone(), piece(&document, 299..600)]).expect_err("twice");
-    assert_eq!(twice, Fault::Overlap { from_s: 299.0, to_s: 299.0 }.into());
-    let other = Partial::new(Unit::Nanotesla, Source::Scalar);
-    assert!(matches!(merge(vec![first.clone(), other]), Err(Error::Piece(Fault::Unlike { .. }))));
-    let mut statistics = Statistics::new(Unit::Volt, Source::Scalar);
-    let one = [1.0, 1.0];
-    let batch = Batch { time_s: &one, readings: [&one, &one, &one], magnitude_nt: &one };
-    assert_eq!(statistics.push(&batch), Err(Fault::Backwards { row: 1, time_s: 1.0 }.into()));
     let robust = Options { robust: true, ..Options::default() };
-    assert!(stream::document(&first, document, &robust).is_err());
+    assert!(stream::document(&piece(&document, 0..300), document, &robust).is_err());
 }

@@ -3,19 +3,17 @@ use common::{Axis, Conditions, Error, Matrix3x3, Theodolite, TheodoliteAngle, pr
 use nalgebra::{Matrix3, Vector3};
 use noise::Stream;
 use physics::frames::{self, ARCSEC};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
-use super::sensitivity::one;
-use super::sequence::Sequence;
-use crate::bench::{Bench, deviation, positive, samples};
+use super::{Sequence, count};
+use crate::bench::{Bench, deviation, filled, positive, samples};
 use crate::planned::{Planned, Reads, Rows};
 
 /// Turn the block through orientations and drive the coils in each: what the report's MAGSIM (one sensor, one
 /// coil) and NEWSIM (three of each) did, with errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AxesProcedure {
     /// Beginning of the recordings' ids.
@@ -28,7 +26,7 @@ pub struct AxesProcedure {
     #[serde(default = "one_coil_after_the_other")]
     pub drives: Vec<Drive>,
     /// Readings of each drive.
-    #[serde(default = "one")]
+    #[serde(default = "count::<1>")]
     pub repeats: usize,
     /// The sensors that are read; absent: those of the instrument, else all.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -38,7 +36,7 @@ pub struct AxesProcedure {
     pub theodolite_angles: bool,
     /// Readings of each of the theodolites' angles in an orientation; more than one is written as angles
     /// only.
-    #[serde(default = "one")]
+    #[serde(default = "count::<1>")]
     pub theodolite_readings: usize,
     /// How far the fixture may miss its nominal orientation (standard deviation), arcmin.
     #[serde(default)]
@@ -50,7 +48,7 @@ pub struct AxesProcedure {
 
 /// A sinusoidal drive of all coils in phase (NASA, "Errors in Magnetic Axis Orientation").
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AcDrive {
     /// Frequency, Hz.
@@ -66,7 +64,7 @@ pub struct AcDrive {
 
 /// Orientations by name or one by one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "\"cube\", \"nasa_table_3\", \"nasa_figure_9\", or a list of 3x3 rotations")]
 pub enum Orientations {
     /// `cube` (24), `nasa_table_3` (7) or `nasa_figure_9` (its first four).
@@ -77,7 +75,7 @@ pub enum Orientations {
 
 /// A drive by name or as a vector.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "\"x\", \"-x\", \"zero\", or [x, y, z] in nT")]
 pub enum Drive {
     /// `x`, `-x`, … at the procedure's field, or `zero`.
@@ -93,29 +91,22 @@ fn one_coil_after_the_other() -> Vec<Drive> {
 impl Sequence for AxesProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
         let path_of = |key: &str| format!("{path}.{key}");
-        positive(path, "drive_nt", self.drive_nt)?;
-        positive(path, "repeats", self.repeats as f64)?;
-        positive(path, "theodolite_readings", self.theodolite_readings as f64)?;
+        positive(path, [("drive_nt", self.drive_nt), ("repeats", self.repeats as f64)])?;
+        positive(path, [("theodolite_readings", self.theodolite_readings as f64)])?;
         if self.theodolite_readings > 1 && !self.theodolite_angles {
             let found = format!("{} beside orientations as matrices", self.theodolite_readings);
             let expected = "1, or \"theodolite_angles\": true, by which each reading is written";
             return Err(Error::document(path_of("theodolite_readings"), found, expected));
         }
         deviation(path, "fixture_std_arcmin", self.fixture_std_arcmin)?;
-        if self.drives.is_empty() {
-            return Err(Error::document(path_of("drives"), "an empty list", "at least one drive"));
-        }
+        filled(path, "drives", &self.drives, "at least one drive")?;
         bench.sensors(&self.sensors, path)?;
         let settings = match &self.orientations {
             Orientations::Named(_) => 24.0,
-            Orientations::List(list) if list.is_empty() => {
-                return Err(Error::document(
-                    path_of("orientations"),
-                    "an empty list",
-                    "at least one orientation",
-                ));
+            Orientations::List(list) => {
+                filled(path, "orientations", list, "at least one orientation")?;
+                list.len() as f64
             }
-            Orientations::List(list) => list.len() as f64,
         };
         let rows = match &self.ac {
             None => self.repeats as f64,
@@ -140,20 +131,19 @@ impl Sequence for AxesProcedure {
         let drives = self.drives(path)?;
         let sensors = bench.sensors(&self.sensors, path)?;
         for (index, nominal) in self.rotations(path)?.into_iter().enumerate() {
-            let id = format!("{}-{}", self.id, index + 1);
+            let (id, here) = (format!("{}-{}", self.id, index + 1), format!("{path}.orientations[{index}]"));
             let (rotation, conditions) = self.setting(bench, &id, nominal);
             let recording = |id: String, rows: Rows, conditions: Conditions| Planned {
                 rotation,
                 nominal,
-                path: format!("{path}.orientations[{index}]"),
                 reads: Reads::Sensors(sensors.clone()),
-                ..Planned::new(procedure::AXES_ORIENTATION, id, path.into(), conditions, rows, &Axis::ALL)
+                ..Planned::new(procedure::AXES_ORIENTATION, id, &here, conditions, rows, &Axis::ALL)
             };
             let turn = || self.turn(bench, index + 1);
             let Some(ac) = &self.ac else {
                 let mut rows = turn();
                 for drive in &drives {
-                    let action = format!("drive {} nT", vector([drive.x, drive.y, drive.z], 0.0));
+                    let action = format!("drive {} nT", vector((*drive).into(), 0.0));
                     rows.step(bench.set(action, *drive, self.repeats), bench.timing, &[]);
                 }
                 planned.push(recording(id, rows, conditions));
@@ -162,16 +152,11 @@ impl Sequence for AxesProcedure {
             for (number, drive) in drives.iter().enumerate() {
                 let amplitude = drive.map(|field| if field == 0.0 { ac.dither_nt } else { field });
                 let mut rows = if number == 0 { turn() } else { Rows::new("same orientation", 0.0) };
-                let action = format!(
-                    "drive {} nT at {} Hz",
-                    vector([amplitude.x, amplitude.y, amplitude.z], 0.0),
-                    bare(ac.hz)
-                );
+                let action = format!("drive {} nT at {} Hz", vector(amplitude.into(), 0.0), bare(ac.hz));
                 let mut step = bench.record(action, ac.cycles / ac.hz, 1.0 / ac.rate_hz);
                 step.current_a = bench.currents(amplitude);
-                rows.series(step, 1.0 / ac.rate_hz, |t| {
-                    bench.currents(amplitude * (std::f64::consts::TAU * ac.hz * t).sin())
-                });
+                let current = |t: f64| bench.currents(amplitude * (TAU * ac.hz * t).sin());
+                rows.series(step, 1.0 / ac.rate_hz, current);
                 let conditions = Conditions { drive_hz: Some(ac.hz), ..conditions.clone() };
                 planned.push(recording(format!("{id}-{}", number + 1), rows, conditions));
             }
@@ -183,9 +168,7 @@ impl Sequence for AxesProcedure {
 impl AxesProcedure {
     fn samples(&self, ac: &AcDrive, path: &str) -> Result<f64, Error> {
         let path = format!("{path}.ac");
-        positive(&path, "hz", ac.hz)?;
-        positive(&path, "cycles", ac.cycles)?;
-        positive(&path, "rate_hz", ac.rate_hz)?;
+        positive(&path, [("hz", ac.hz), ("cycles", ac.cycles), ("rate_hz", ac.rate_hz)])?;
         let rows = samples(&path, ac.cycles / ac.hz * ac.rate_hz, 5.0)?;
         let zero = |drive: &Drive| matches!(drive, Drive::Named(name) if name == "zero");
         if self.repeats != 1 || self.drives.iter().any(zero) {
@@ -236,11 +219,11 @@ impl AxesProcedure {
                 "cube" => Ok(frames::cube_rotations()),
                 "nasa_table_3" => Ok(nasa(7)),
                 "nasa_figure_9" => Ok(nasa(4)),
-                _ => Err(Error::document(
-                    path,
-                    format!("\"{name}\""),
-                    "\"cube\", \"nasa_table_3\", \"nasa_figure_9\", or a list of 3x3 rotations",
-                )),
+                _ => {
+                    let expected =
+                        "\"cube\", \"nasa_table_3\", \"nasa_figure_9\", or a list of 3x3 rotations";
+                    Err(Error::document(path, format!("\"{name}\""), expected))
+                }
             },
             Orientations::List(list) => frames::rotations(list, &path),
         }
@@ -255,11 +238,9 @@ impl AxesProcedure {
                 let (sign, letter) =
                     name.strip_prefix('-').map_or((1.0, name.as_str()), |letter| (-1.0, letter));
                 let axis = Axis::ALL.into_iter().find(|axis| axis.letter() == letter).ok_or_else(|| {
-                    Error::document(
-                        format!("{path}.drives[{index}]"),
-                        format!("\"{name}\""),
-                        "\"x\", \"-x\", \"y\", \"-y\", \"z\", \"-z\", \"zero\", or [x, y, z] in nT",
-                    )
+                    let expected =
+                        "\"x\", \"-x\", \"y\", \"-y\", \"z\", \"-z\", \"zero\", or [x, y, z] in nT";
+                    Error::document(format!("{path}.drives[{index}]"), format!("\"{name}\""), expected)
                 })?;
                 Ok(Vector3::ith(axis.index(), sign * self.drive_nt))
             }

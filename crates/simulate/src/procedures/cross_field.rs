@@ -1,18 +1,15 @@
 use common::number::bare;
 use common::{Axis, Error, procedure};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::sensitivity::full;
-use super::sequence::Sequence;
-use crate::bench::{Aligned, Bench, on, positive, samples, sweep};
-use crate::planned::{Planned, Reads, Rows};
+use super::{Sequence, count, whole};
+use crate::bench::{Bench, filled, on, positive, samples, sweep};
+use crate::planned::{Planned, Reads};
 
 /// Sensitivity and offset of each sensor with a constant field across it: 0 and ±60 000 nT, or −60 000 to 60
 /// 000 nT in steps of 20 000, on each of the two other coils.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct CrossFieldProcedure {
     /// Beginning of the recordings' ids.
@@ -38,19 +35,15 @@ pub struct CrossFieldProcedure {
     #[serde(default = "report")]
     pub levels_nt: Vec<f64>,
     /// Largest field along the sensor, nT.
-    #[serde(default = "full")]
+    #[serde(default = "whole::<50_000>")]
     pub to_nt: f64,
     /// Fields from −to to +to at each level.
-    #[serde(default = "eleven")]
+    #[serde(default = "count::<11>")]
     pub steps: usize,
 }
 
 fn report() -> Vec<f64> {
     vec![0.0, 60_000.0, -60_000.0]
-}
-
-fn eleven() -> usize {
-    11
 }
 
 impl CrossFieldProcedure {
@@ -68,14 +61,8 @@ impl CrossFieldProcedure {
 
 impl Sequence for CrossFieldProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
-        positive(path, "to_nt", self.to_nt)?;
-        if self.levels_nt.is_empty() {
-            return Err(Error::document(
-                format!("{path}.levels_nt"),
-                "an empty list",
-                "at least one transverse field",
-            ));
-        }
+        positive(path, [("to_nt", self.to_nt)])?;
+        filled(path, "levels_nt", &self.levels_nt, "at least one transverse field")?;
         let steps = samples(&format!("{path}.steps"), self.steps as f64, 2.0)?;
         let mut rows = 0.0;
         for sensor in bench.sensors(&self.sensors, path)? {
@@ -97,31 +84,22 @@ impl Sequence for CrossFieldProcedure {
             let coil = self.coil.unwrap_or(sensor);
             for across in self.across(coil, path)? {
                 let id = format!("{}-{sensor}-{across}", self.id);
-                let Aligned { conditions, rotation, nominal } =
-                    bench.along(&id, sensor, coil, 0.0, self.quarter_turns);
-                let mut rows =
-                    Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing.orientation_s);
+                let mut aligned = bench.along(&id, sensor, coil, 0.0, self.quarter_turns);
                 for level in &self.levels_nt {
+                    let beside = format!("{} nT on coil {across}", bare(*level));
                     for field in sweep(self.to_nt, self.steps) {
-                        let action = format!(
-                            "{} nT on coil {coil}, {} nT on coil {across}",
-                            bare(field),
-                            bare(*level)
-                        );
+                        let action = format!("{} nT on coil {coil}, {beside}", bare(field));
                         let step = bench.set(action, on(coil, field) + on(across, *level), 1);
-                        rows.step(step, bench.timing, &[]);
+                        aligned.rows.step(step, bench.timing, &[]);
                     }
                 }
                 let mut coils = [coil, across];
                 coils.sort();
-                let kind = procedure::CROSS_FIELD;
-                let read = if self.all_sensors { bench.sensors(&None, path)? } else { vec![sensor] };
-                planned.push(Planned {
-                    rotation,
-                    nominal,
-                    reads: Reads::Sensors(read),
-                    ..Planned::new(kind, id, path.into(), conditions, rows, &coils)
-                });
+                let mut recording = aligned.recording(procedure::CROSS_FIELD, id, path, &coils);
+                if self.all_sensors {
+                    recording.reads = Reads::Sensors(bench.sensors(&None, path)?);
+                }
+                planned.push(recording);
             }
         }
         Ok(planned)

@@ -1,40 +1,29 @@
 use common::number::{bare, duration};
 use common::{Conditions, Error, procedure};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::sequence::Sequence;
+use super::{MONTH_S, Sequence, whole};
 use crate::bench::{Bench, positive, samples};
 use crate::planned::{Planned, Reads, Rows, Surroundings};
 
 /// A reference and a test magnetometer side by side in the natural field: a month at one sample a minute.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DifferentialProcedure {
     /// The recording's id.
     pub id: String,
     /// Length, s.
-    #[serde(default = "month")]
+    #[serde(default = "whole::<MONTH_S>")]
     pub length_s: f64,
     /// From one sample to the next, s.
-    #[serde(default = "minute")]
+    #[serde(default = "whole::<60>")]
     pub step_s: f64,
-}
-
-fn month() -> f64 {
-    30.0 * 86_400.0
-}
-
-fn minute() -> f64 {
-    60.0
 }
 
 impl Sequence for DifferentialProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
-        positive(path, "length_s", self.length_s)?;
-        positive(path, "step_s", self.step_s)?;
+        positive(path, [("length_s", self.length_s), ("step_s", self.step_s)])?;
         if bench.outside.is_none() {
             let expected = "the natural field that both magnetometers see: main_field_nt and its variations";
             return Err(Error::document("truth.outside", "no such key", expected));
@@ -56,7 +45,7 @@ impl Sequence for DifferentialProcedure {
         Ok(vec![Planned {
             reads: Reads::Differential,
             surroundings: Surroundings::Open,
-            ..Planned::new(kind, id, path.into(), Conditions::default(), rows, &[])
+            ..Planned::new(kind, id, path, Conditions::default(), rows, &[])
         }])
     }
 }

@@ -1,16 +1,13 @@
 use common::{Axis, Columns, Conditions, Error, Recording, procedure};
-use nalgebra::Vector3;
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::sequence::Sequence;
+use super::Sequence;
 use crate::bench::Bench;
-use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
+use crate::planned::{Begins, Planned, Reads, Step};
 
 /// A recording with columns of its own; the readings are added.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct FreeRun {
     /// The recording's id.
@@ -28,30 +25,20 @@ pub struct FreeRun {
 impl Sequence for FreeRun {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
         let readings = |name: &&String| name.starts_with("sensor_") && !name.contains("temperature");
+        let refused = |name: &str, found: &str, expected: &str| {
+            Err(Error::document(format!("{path}.columns{name}"), found, expected))
+        };
         if let Some(name) = self.columns.keys().find(readings) {
-            let path = format!("{path}.columns.{name}");
-            return Err(Error::document(
-                path,
-                "a column of readings",
-                "drive, times and temperatures only; the readings are simulated",
-            ));
+            let expected = "drive, times and temperatures only; the readings are simulated";
+            return refused(&format!(".{name}"), "a column of readings", expected);
         }
         if self.columns.values().all(|column| column.is_empty()) {
-            return Err(Error::document(
-                format!("{path}.columns"),
-                "no rows",
-                "at least one row of times or drive",
-            ));
+            return refused("", "no rows", "at least one row of times or drive");
         }
         for axis in Axis::ALL {
-            let volts = format!("coil_{axis}_v");
-            if self.columns.contains_key(&volts) {
-                let path = format!("{path}.columns.{volts}");
-                return Err(Error::document(
-                    path,
-                    "a drive in V",
-                    format!("`coil_{axis}_a`, the current that flows"),
-                ));
+            if self.columns.contains_key(&format!("coil_{axis}_v")) {
+                let expected = format!("`coil_{axis}_a`, the current that flows");
+                return refused(&format!(".coil_{axis}_v"), "a drive in V", &expected);
             }
             let Some(column) = self.columns.get(&format!("coil_{axis}_a")) else { continue };
             let largest = column.iter().map(|current| current.abs()).fold(0.0, f64::max);
@@ -75,25 +62,14 @@ impl Sequence for FreeRun {
             .rotation;
         let times = recording.column("time_s").unwrap_or_default();
         let last = times.iter().copied().filter(|t| t.is_finite()).fold(0.0, f64::max);
-        let step = Step {
-            action: "as the columns say".into(),
-            current_a: Vector3::zeros(),
-            temperatures_c: None,
-            wait_s: 0.0,
-            readings: recording.rows(),
-            length_s: last,
-        };
+        let step = Step::still("as the columns say".into(), 0.0, recording.rows(), last);
         Ok(vec![Planned {
-            recording,
             rotation,
             nominal: rotation,
-            path: path.into(),
             reads: Reads::Sensors(bench.sensors(&None, path)?),
-            surroundings: Surroundings::Coils,
-            amplification: 1.0,
             outside: self.outside,
             begins: Begins::AsItSays,
-            steps: vec![step],
+            ..Planned::of(recording, path, vec![step])
         }])
     }
 }

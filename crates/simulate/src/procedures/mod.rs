@@ -1,40 +1,58 @@
-//! The procedures, one file each: what the report's own sequence is, and how it is planned.
+//! The procedures: what the report's own sequence is, and how it is planned.
 
 mod axes;
-mod coil_constant;
-mod coil_gradient;
+mod coil;
 mod cross_field;
 mod differential;
 mod free_run;
-mod nulling;
 mod orbit;
 mod reversal;
 mod sensitivity;
-mod sensor_noise;
-mod sequence;
+mod series;
 mod temperature;
 
 pub use axes::{AcDrive, AxesProcedure, Drive, Orientations};
-pub use coil_constant::CoilConstantProcedure;
-pub use coil_gradient::CoilGradientProcedure;
+pub use coil::{CoilConstantProcedure, CoilGradientProcedure};
 pub use cross_field::CrossFieldProcedure;
 pub use differential::DifferentialProcedure;
 pub use free_run::FreeRun;
-pub use nulling::{NullingProcedure, NullingSeries};
 pub use orbit::{OrbitProcedure, OrbitTemperature};
 pub use reversal::{DriftProcedure, ReversalProcedure};
 pub use sensitivity::SensitivityProcedure;
-pub use sensor_noise::{NoiseProcedure, NoiseSeries};
-pub use sequence::Sequence;
+pub use series::{NoiseProcedure, NoiseSeries, NullingProcedure, NullingSeries};
 pub use temperature::TemperatureProcedure;
 
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
+use common::Error;
 use serde::{Deserialize, Serialize};
+
+use crate::bench::Bench;
+use crate::planned::Planned;
+
+/// A procedure as a sequence of recordings.
+pub trait Sequence {
+    /// Rows that it gives; refuses sizes that make no sense. Called before anything is planned.
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error>;
+
+    /// Its recordings, without readings.
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error>;
+}
+
+/// Thirty days, s.
+const MONTH_S: u32 = 2_592_000;
+
+/// A whole number for a key that is absent.
+fn whole<const VALUE: u32>() -> f64 {
+    f64::from(VALUE)
+}
+
+/// A count for a key that is absent.
+fn count<const VALUE: usize>() -> usize {
+    VALUE
+}
 
 /// One procedure of a plan.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(tag = "procedure", rename_all = "snake_case")]
 pub enum Procedure {
     /// Field of a coil against its current.

@@ -1,16 +1,14 @@
 use common::number::{bare, duration};
 use common::{Axis, Column, Columns, Conditions, Error, Recording, procedure};
-use nalgebra::{Matrix3, UnitQuaternion, Vector3};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
+use nalgebra::{UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-use super::sequence::Sequence;
+use super::{MONTH_S, Sequence, whole};
 use crate::aboard::{Aboard, KnownField, attitude_columns};
-use crate::bench::{Bench, deviation, positive, samples_up_to};
+use crate::bench::{Bench, deviation, exponent, positive, samples_up_to};
 use crate::orbit::{Orbit, main_field_nt};
-use crate::planned::{Begins, Planned, Reads, Step, Surroundings};
+use crate::planned::{Planned, Reads, Step};
 
 /// Samples at most: a recording in orbit has some fifteen columns.
 const MOST_ROWS: f64 = 5e6;
@@ -18,7 +16,7 @@ const MOST_ROWS: f64 = 5e6;
 /// A free run aboard a satellite in a circular orbit. GEO is north, east and down below the satellite; SEN is
 /// along the track, across it and down where yaw and libration are zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct OrbitProcedure {
     /// The recording's id.
@@ -27,13 +25,13 @@ pub struct OrbitProcedure {
     #[serde(default)]
     pub conditions: Conditions,
     /// Length, s.
-    #[serde(default = "month")]
+    #[serde(default = "whole::<MONTH_S>")]
     pub length_s: f64,
     /// From one sample to the next, s.
-    #[serde(default = "minute")]
+    #[serde(default = "whole::<60>")]
     pub step_s: f64,
     /// Height, km.
-    #[serde(default = "altitude")]
+    #[serde(default = "whole::<450>")]
     pub altitude_km: f64,
     /// Inclination, deg.
     #[serde(default = "inclination")]
@@ -61,7 +59,7 @@ pub struct OrbitProcedure {
 
 /// Temperature aboard: mean + orbit_k sin(angle from the node) + slow_k sin(2π t/slow_s).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct OrbitTemperature {
     /// Mean, degC.
@@ -73,20 +71,8 @@ pub struct OrbitTemperature {
     #[serde(default)]
     pub slow_k: f64,
     /// Its period, s.
-    #[serde(default = "month")]
+    #[serde(default = "whole::<MONTH_S>")]
     pub slow_s: f64,
-}
-
-fn month() -> f64 {
-    30.0 * 86_400.0
-}
-
-fn minute() -> f64 {
-    60.0
-}
-
-fn altitude() -> f64 {
-    450.0
 }
 
 fn inclination() -> f64 {
@@ -135,25 +121,21 @@ impl OrbitProcedure {
 
 impl Sequence for OrbitProcedure {
     fn rows(&self, _: &Bench<'_>, path: &str) -> Result<f64, Error> {
-        positive(path, "length_s", self.length_s)?;
-        positive(path, "step_s", self.step_s)?;
-        positive(path, "altitude_km", self.altitude_km)?;
+        positive(
+            path,
+            [("length_s", self.length_s), ("step_s", self.step_s), ("altitude_km", self.altitude_km)],
+        )?;
         deviation(path, "libration_deg", self.libration_deg)?;
         if let Some(period) = self.yaw_period_s {
-            positive(path, "yaw_period_s", period)?;
+            positive(path, [("yaw_period_s", period)])?;
         }
         if let Some(temperature) = &self.temperature {
-            positive(&format!("{path}.temperature"), "slow_s", temperature.slow_s)?;
+            positive(&format!("{path}.temperature"), [("slow_s", temperature.slow_s)])?;
         }
         if let Some(known) = &self.known_field {
             let path = format!("{path}.known_field");
             deviation(&path, "attitude_std_arcsec", known.attitude_std_arcsec)?;
-            let exponent = known.noise.flicker_exponent.unwrap_or(1.0);
-            if !(0.0..=2.0).contains(&exponent) {
-                let expected = "an exponent from 0 (white) to 2 (random walk)";
-                let path = format!("{path}.noise.flicker_exponent");
-                return Err(Error::document(path, exponent.to_string(), expected));
-            }
+            exponent(&format!("{path}.noise"), &known.noise)?;
         }
         samples_up_to(MOST_ROWS, path, self.length_s / self.step_s, 5.0)
     }
@@ -166,29 +148,14 @@ impl Sequence for OrbitProcedure {
             columns: self.columns(),
             ..Recording::default()
         };
-        let step = Step {
-            action: format!("record {} in orbit at {} s", duration(self.length_s), bare(self.step_s)),
-            current_a: Vector3::zeros(),
-            temperatures_c: None,
-            wait_s: 0.0,
-            readings: recording.rows(),
-            length_s: self.length_s,
+        let action = format!("record {} in orbit at {} s", duration(self.length_s), bare(self.step_s));
+        let step = Step::still(action, 0.0, recording.rows(), self.length_s);
+        let aboard = Aboard {
+            sensors: bench.sensors(&None, path)?,
+            scalar: self.scalar,
+            known_field: self.known_field.clone(),
         };
-        Ok(vec![Planned {
-            recording,
-            rotation: Matrix3::identity(),
-            nominal: Matrix3::identity(),
-            path: path.into(),
-            reads: Reads::Aboard(Box::new(Aboard {
-                sensors: bench.sensors(&None, path)?,
-                scalar: self.scalar,
-                known_field: self.known_field.clone(),
-            })),
-            surroundings: Surroundings::Coils,
-            amplification: 1.0,
-            outside: false,
-            begins: Begins::Next,
-            steps: vec![step],
-        }])
+        let reads = Reads::Aboard(Box::new(aboard));
+        Ok(vec![Planned { reads, ..Planned::of(recording, path, vec![step]) }])
     }
 }

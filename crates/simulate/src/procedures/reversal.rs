@@ -1,17 +1,15 @@
 use common::number::{bare, signed};
 use common::{Axis, Conditions, Error, procedure};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::sequence::Sequence;
+use super::{Sequence, count, whole};
 use crate::bench::{Bench, positive, samples};
 use crate::planned::{Begins, Planned, Reads, Rows, Step, Surroundings};
 
 /// Offset of each sensor in a shield, turned by 180° again and again: + − − + + − − + …, so that a drift of
 /// the shield's field falls out of each pair of pairs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ReversalProcedure {
     /// Beginning of the recordings' ids.
@@ -20,16 +18,16 @@ pub struct ReversalProcedure {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<Vec<Axis>>,
     /// Pairs of positions.
-    #[serde(default = "ten")]
+    #[serde(default = "count::<10>")]
     pub pairs: usize,
     /// What a code of the converter is divided by.
-    #[serde(default = "no_gain")]
+    #[serde(default = "whole::<1>")]
     pub amplification: f64,
 }
 
 /// Reversals at dates: once a week for a year.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct DriftProcedure {
     /// Beginning of the recordings' ids.
@@ -38,39 +36,22 @@ pub struct DriftProcedure {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sensors: Option<Vec<Axis>>,
     /// Dates.
-    #[serde(default = "year")]
+    #[serde(default = "count::<53>")]
     pub dates: usize,
     /// From one to the next, s.
-    #[serde(default = "week")]
+    #[serde(default = "whole::<604_800>")]
     pub interval_s: f64,
     /// Pairs of positions at each.
-    #[serde(default = "ten")]
+    #[serde(default = "count::<10>")]
     pub pairs: usize,
     /// What a code of the converter is divided by.
-    #[serde(default = "no_gain")]
+    #[serde(default = "whole::<1>")]
     pub amplification: f64,
-}
-
-fn ten() -> usize {
-    10
-}
-
-fn year() -> usize {
-    53
-}
-
-fn week() -> f64 {
-    604_800.0
-}
-
-pub(super) fn no_gain() -> f64 {
-    1.0
 }
 
 impl Sequence for ReversalProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
-        positive(path, "pairs", self.pairs as f64)?;
-        positive(path, "amplification", self.amplification)?;
+        positive(path, [("pairs", self.pairs as f64), ("amplification", self.amplification)])?;
         let sensors = bench.sensors(&self.sensors, path)?.len() as f64;
         Ok(samples(path, 2.0 * self.pairs as f64, 2.0)? * sensors)
     }
@@ -85,10 +66,8 @@ impl Sequence for ReversalProcedure {
 
 impl Sequence for DriftProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
-        positive(path, "dates", self.dates as f64)?;
-        positive(path, "interval_s", self.interval_s)?;
-        positive(path, "pairs", self.pairs as f64)?;
-        positive(path, "amplification", self.amplification)?;
+        positive(path, [("dates", self.dates as f64), ("interval_s", self.interval_s)])?;
+        positive(path, [("pairs", self.pairs as f64), ("amplification", self.amplification)])?;
         if bench.start.is_none() {
             let expected = "the moment at which the campaign begins, so that each date has its `start`";
             return Err(Error::document("start", "no such key", expected));
@@ -121,20 +100,14 @@ fn reversal(bench: &Bench<'_>, kind: &str, id: String, path: &str, sensor: Axis,
         let position = if matches!(row % 4, 0 | 3) { 1.0 } else { -1.0 };
         let turned = row > 0 && position != last;
         last = position;
-        let step = Step {
-            action: format!("position {}", signed(&bare(position))),
-            current_a: nalgebra::Vector3::zeros(),
-            temperatures_c: None,
-            wait_s: if turned { timing.reversal_s } else { 0.0 },
-            readings: 1,
-            length_s: timing.reading_s,
-        };
+        let (action, wait_s) = (format!("position {}", signed(&bare(position))), timing.reversal_s);
+        let step = Step::still(action, if turned { wait_s } else { 0.0 }, 1, timing.reading_s);
         rows.step(step, timing, &[("position", position)]);
     }
     let conditions = Conditions { sensor: Some(sensor), ..Conditions::default() };
     Planned {
         reads: Reads::Sensors(vec![sensor]),
         surroundings: Surroundings::Shield,
-        ..Planned::new(kind, id, path.into(), conditions, rows, &[])
+        ..Planned::new(kind, id, path, conditions, rows, &[])
     }
 }

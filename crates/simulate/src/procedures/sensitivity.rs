@@ -1,17 +1,15 @@
 use common::number::bare;
 use common::{Axis, Error, procedure};
-#[cfg(feature = "schema")]
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::sequence::Sequence;
-use crate::bench::{Aligned, Bench, deviation, on, positive, samples, sweep};
-use crate::planned::{Planned, Reads, Rows};
+use super::{Sequence, count, whole};
+use crate::bench::{Bench, deviation, on, positive, samples, sweep};
+use crate::planned::Planned;
 
 /// Readings of each sensor, turned along a coil, against the coil's field: 101 steps of 1 000 nT over ±50 000
 /// nT.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct SensitivityProcedure {
     /// Beginning of the recordings' ids.
@@ -23,13 +21,13 @@ pub struct SensitivityProcedure {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coil: Option<Axis>,
     /// Largest field, nT.
-    #[serde(default = "full")]
+    #[serde(default = "whole::<50_000>")]
     pub to_nt: f64,
     /// Fields from −to to +to.
-    #[serde(default = "report")]
+    #[serde(default = "count::<101>")]
     pub steps: usize,
     /// Readings of each.
-    #[serde(default = "one")]
+    #[serde(default = "count::<1>")]
     pub repeats: usize,
     /// How far the sensor may miss the coil's direction after adjustment (standard deviation), arcmin.
     #[serde(default)]
@@ -39,22 +37,9 @@ pub struct SensitivityProcedure {
     pub outside: bool,
 }
 
-pub(super) fn full() -> f64 {
-    50_000.0
-}
-
-fn report() -> usize {
-    101
-}
-
-pub(super) fn one() -> usize {
-    1
-}
-
 impl Sequence for SensitivityProcedure {
     fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
-        positive(path, "to_nt", self.to_nt)?;
-        positive(path, "repeats", self.repeats as f64)?;
+        positive(path, [("to_nt", self.to_nt), ("repeats", self.repeats as f64)])?;
         deviation(path, "alignment_std_arcmin", self.alignment_std_arcmin)?;
         let sensors = bench.sensors(&self.sensors, path)?;
         for sensor in &sensors {
@@ -65,27 +50,18 @@ impl Sequence for SensitivityProcedure {
     }
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
-        let mut planned = Vec::new();
-        for sensor in bench.sensors(&self.sensors, path)? {
+        let of = |sensor: Axis| {
             let coil = self.coil.unwrap_or(sensor);
             let id = format!("{}-{sensor}", self.id);
-            let Aligned { conditions, rotation, nominal } =
-                bench.along(&id, sensor, coil, self.alignment_std_arcmin, 0.0);
-            let mut rows =
-                Rows::new(format!("sensor {sensor} along coil {coil}"), bench.timing.orientation_s);
+            let mut aligned = bench.along(&id, sensor, coil, self.alignment_std_arcmin, 0.0);
             for field in sweep(self.to_nt, self.steps) {
-                let step =
-                    bench.set(format!("{} nT on coil {coil}", bare(field)), on(coil, field), self.repeats);
-                rows.step(step, bench.timing, &[]);
+                let action = format!("{} nT on coil {coil}", bare(field));
+                let step = bench.set(action, on(coil, field), self.repeats);
+                aligned.rows.step(step, bench.timing, &[]);
             }
-            let mut recording =
-                Planned::new(procedure::SENSOR_SENSITIVITY, id, path.into(), conditions, rows, &[coil]);
-            recording.rotation = rotation;
-            recording.nominal = nominal;
-            recording.reads = Reads::Sensors(vec![sensor]);
-            recording.outside = self.outside;
-            planned.push(recording);
-        }
-        Ok(planned)
+            let recording = aligned.recording(procedure::SENSOR_SENSITIVITY, id, path, &[coil]);
+            Planned { outside: self.outside, ..recording }
+        };
+        Ok(bench.sensors(&self.sensors, path)?.into_iter().map(of).collect())
     }
 }

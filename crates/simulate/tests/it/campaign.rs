@@ -142,211 +142,99 @@ fn an_effect_of_temperature_needs_its_reference() {
     assert_eq!(document(&plan)["recordings"][0]["columns"]["sensor_x_nt"][0], json!(-3.0));
 }
 
-#[test]
-fn effects_act_on_the_readings() {
-    let run = |effects: Value| {
-        document(&json!({
-            "fluxcal": 1,
-            "calibration": {"coils": {"x": {"constant_nt_per_a": 40000.0}}, "reference_conditions": {"sensor_temperature_c": 20.0}},
-            "truth": {"model": {"effects": effects}},
-            "procedures": [{"procedure": "free_run", "id": "run", "columns": {
-                "time_s": [0.0, 600.0, 1e9], "coil_x_a": [1.0, 1.0, 1.0], "sensor_temperature_c": [20.0, 30.0, 30.0]}}]
-        }))
-    };
-    let reading = |document: &Value, row: usize| {
-        document["recordings"][0]["columns"]["sensor_x_nt"][row].as_f64().expect("a reading")
-    };
-    let plain = run(json!([]));
-    let lag = run(json!([{"effect": "offset_temperature_lag", "sensor": "x",
-        "parameters": {"coefficient_nt_per_k": {"value": 0.5, "std": 0.1}, "lag_s": 600.0}}]));
-    assert_eq!(reading(&lag, 0), reading(&plain, 0));
-    // A ramp of 10 K in one time constant: T_lag = 10 (1 − (1 − e⁻¹)) K, times 0.5 nT/K. The central
-    // slope beside the long last step takes 6e-7 of its share from that step, hence 1e-5 and not rounding.
-    assert!((reading(&lag, 1) - reading(&plain, 1) - 5.0 * (-1f64).exp()).abs() < 1e-5);
-    assert!((reading(&lag, 2) - reading(&plain, 2) - 5.0).abs() < 1e-3);
-    let heat = run(
-        json!([{"effect": "coil_heating", "coil": "x", "parameters": {"fall_ppm_per_a2": 100.0, "lag_s": 600.0}}]),
-    );
-    assert!((reading(&heat, 1) - reading(&plain, 1) + 4.0 * (1.0 - (-1f64).exp())).abs() < 1e-5);
-    assert!((reading(&heat, 2) - reading(&plain, 2) + 4.0).abs() < 1e-9);
-}
+/// What is set in the plan, and below it what is said.
+const FAULTS: &str = r#"
+procedures.0.drive_nt = 70000
+    procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT
+procedures.0.drive_nt = 0
+    procedures[0].drive_nt: found 0; expected a positive number
+procedures.0.repeats = 0
+    procedures[0].repeats: found 0
+procedures.0.drives.1 = "up"
+    procedures[0].drives[1]: found "up"; expected "x", "-x"
+procedures.0.orientations = "sphere"
+    procedures[0].orientations: found "sphere"
+procedures.0.orientations = [[[1, 0, 0], [0, 1, 0], [0, 0, -1]]]
+    procedures[0].orientations[0]: found a left-handed matrix
+procedures.0.ac = {"hz": 0.1, "cycles": 1e9, "rate_hz": 100}
+    procedures[0].ac: found 1·10¹² samples in one recording; expected at least 5 and at most 5·10⁷
+procedures.0 = {"procedure": "orbit", "id": "o", "length_s": 1e9, "step_s": 20}
+    procedures[0]: found 5·10⁷ samples in one recording; expected at least 5 and at most 5000000
+procedures.0.ac = {"hz": 0.1, "cycles": 0, "rate_hz": 100}
+    procedures[0].ac.cycles: found 0; expected a positive number
+truth.model = {"effects": [{"effect": "gremlins", "sensor": "x"}]}
+    truth.model.effects[0]: found the effect "gremlins"; expected one of quadratic_nonlinearity, cubic_nonlinearity
+truth.model = {"effects": [{"effect": "coil_heating", "coil": "x", "parameters": {"fall_ppm_per_a2": 10, "lag_s": -1}}]}
+    truth.model.effects[0]: found lag_s = -1; expected a positive number
+instrument.noise.flicker_exponent = 3
+    instrument.noise.flicker_exponent: found 3; expected an exponent from 0 (white) to 2 (random walk)
+procedures.0.procedure = "dance"
+    procedures[0].procedure: found "dance"; expected one of "coil_constant"
+procedures.0.repeats = 1000000000
+    procedures[0]: found 1.92·10¹¹ rows so far; expected at most 5·10⁷
+procedures.0.drives = []
+    procedures[0].drives: found an empty list
+procedures = []
+    procedures: found an empty list
+procedures.0.drive_nT = 1
+    procedures[0]: found the unknown key "drive_nT"; expected one of
+procedures = [{"procedure": "free_run", "id": "axes-1", "columns": {"time_s": [0]}}, {"procedure": "axes_orientation", "id": "axes", "orientations": "cube", "drive_nt": 1}]
+    procedures[1].orientations[0]: found a second recording "axes-1"
+procedures.0 = {"procedure": "free_run", "id": "run", "columns": {"time_s": [0.0, 1.0], "coil_x_a": [1.0]}}
+    recordings[0].columns.coil_x_a: found 1 row where another column has 2
+procedures.0 = {"procedure": "free_run", "id": "run", "columns": {"coil_x_a": [9.0]}}
+    procedures[0].columns.coil_x_a: found 371110 nT on coil x; expected at most 60000 nT
+procedures.0 = {"procedure": "free_run", "id": "run", "columns": {"coil_x_v": [9.0]}}
+    procedures[0].columns.coil_x_v: found a drive in V; expected `coil_x_a`
+procedures.0 = {"procedure": "free_run", "id": "run", "columns": {"time_s": []}}
+    procedures[0].columns: found no rows
+procedures.0 = {"procedure": "coil_constant", "id": "coil", "coil": "x", "to_nt": 61000}
+    procedures[0].to_nt: found 61000 nT on coil x; expected at most 60000 nT
+procedures.0 = {"procedure": "coil_constant", "id": "coil", "coil": "x", "from_nt": 15000}
+    procedures[0].from_nt: found 15000 nT, which the scalar magnetometer does not read; expected 20000 to 60000 nT
+procedures.0 = {"procedure": "nulling_residual", "id": "null", "series": []}
+    procedures[0].series: found an empty list
+procedures.0 = {"procedure": "sensor_noise", "id": "noise", "series": [{"length_s": 1e12, "step_s": 1}]}
+    procedures[0].series[0]: found 1·10¹² samples in one recording
+procedures.0 = {"procedure": "temperature_run", "id": "warm", "monitor_s": 3600}
+    procedures[0].monitor_s: found 3600, longer than the 1800 s of timing.temperature_settle_s
+procedures.0 = {"procedure": "offset_drift", "id": "drift"}
+    start: found no such key; expected the moment at which the campaign begins
+procedures.0 = {"procedure": "differential", "id": "pair"}
+    truth.outside: found no such key; expected the natural field
+start = "1977-05-26T09:00:00"
+    start: found "1977-05-26T09:00:00"; expected a moment with its offset
+timing = {"reading_s": -1}
+    timing.reading_s: found -1; expected a positive number
+truth.model = {"effects": [{"effect": "stray_current", "column": "panel_current_a", "parameters": {"x_nt_per_a": 1, "y_nt_per_a": 1, "z_nt_per_a": 1}}]}
+    truth.model.effects[0].column: found "panel_current_a"; expected a column that one of the recordings has
+calibration.reference_conditions = {"sensor_temperature_c": 23}
+truth.model = {"effects": [{"effect": "offset_temperature", "sensor": "x", "parameters": {"coefficient_nt_per_k": 1, "curvature_nt_per_k2": 0}}]}
+    expected the column `sensor_temperature_c`; state `temperatures` in the plan
+"#;
 
 #[test]
 fn faulty_plans_are_refused_with_their_place() {
-    type Fault = fn(&mut Value);
-    let cases: [(Fault, &str); 33] = [
-        (
-            |plan| plan["procedures"][0]["drive_nt"] = json!(70000),
-            "procedures[0].drive_nt: found 70000 nT on coil x; expected at most 60000 nT",
-        ),
-        (
-            |plan| plan["procedures"][0]["drive_nt"] = json!(0),
-            "procedures[0].drive_nt: found 0; expected a positive number",
-        ),
-        (|plan| plan["procedures"][0]["repeats"] = json!(0), "procedures[0].repeats: found 0"),
-        (
-            |plan| plan["procedures"][0]["drives"][1] = json!("up"),
-            "procedures[0].drives[1]: found \"up\"; expected \"x\", \"-x\"",
-        ),
-        (
-            |plan| plan["procedures"][0]["orientations"] = json!("sphere"),
-            "procedures[0].orientations: found \"sphere\"",
-        ),
-        (
-            |plan| plan["procedures"][0]["orientations"] = json!([[[1, 0, 0], [0, 1, 0], [0, 0, -1]]]),
-            "procedures[0].orientations[0]: found a left-handed matrix",
-        ),
-        (
-            |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 1e9, "rate_hz": 100}),
-            "procedures[0].ac: found 1·10¹² samples in one recording; expected at least 5 and at most 5·10⁷",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "orbit", "id": "o", "length_s": 1e9, "step_s": 20})
-            },
-            "procedures[0]: found 5·10⁷ samples in one recording; expected at least 5 and at most 5000000",
-        ),
-        (
-            |plan| plan["procedures"][0]["ac"] = json!({"hz": 0.1, "cycles": 0, "rate_hz": 100}),
-            "procedures[0].ac.cycles: found 0; expected a positive number",
-        ),
-        (
-            |plan| plan["truth"]["model"] = json!({"effects": [{"effect": "gremlins", "sensor": "x"}]}),
-            "truth.model.effects[0]: found the effect \"gremlins\"; expected one of quadratic_nonlinearity, cubic_nonlinearity",
-        ),
-        (
-            |plan| {
-                plan["truth"]["model"] = json!({"effects": [{"effect": "coil_heating", "coil": "x",
-                    "parameters": {"fall_ppm_per_a2": 10, "lag_s": -1}}]});
-            },
-            "truth.model.effects[0]: found lag_s = -1; expected a positive number",
-        ),
-        (
-            |plan| plan["instrument"]["noise"]["flicker_exponent"] = json!(3),
-            "instrument.noise.flicker_exponent: found 3; expected an exponent from 0 (white) to 2 (random walk)",
-        ),
-        (
-            |plan| plan["procedures"][0]["procedure"] = json!("dance"),
-            "procedures[0].procedure: found \"dance\"; expected one of \"coil_constant\"",
-        ),
-        (
-            |plan| plan["procedures"][0]["repeats"] = json!(1e9 as u64),
-            "procedures[0]: found 1.92·10¹¹ rows so far; expected at most 5·10⁷",
-        ),
-        (|plan| plan["procedures"][0]["drives"] = json!([]), "procedures[0].drives: found an empty list"),
-        (|plan| plan["procedures"] = json!([]), "procedures: found an empty list"),
-        (
-            |plan| plan["procedures"][0]["drive_nT"] = json!(1),
-            "procedures[0]: found the unknown key \"drive_nT\"; expected one of",
-        ),
-        (
-            |plan| {
-                let first = plan["procedures"][0].clone();
-                plan["procedures"].as_array_mut().expect("a list").push(first);
-            },
-            "procedures[1].orientations[0]: found a second recording \"axes-1\"",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] = json!({"procedure": "free_run", "id": "run",
-                    "columns": {"time_s": [0.0, 1.0], "coil_x_a": [1.0]}});
-            },
-            "recordings[0].columns.coil_x_a: found 1 row where another column has 2",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_a": [9.0]}});
-            },
-            "procedures[0].columns.coil_x_a: found 371110 nT on coil x; expected at most 60000 nT",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "free_run", "id": "run", "columns": {"coil_x_v": [9.0]}});
-            },
-            "procedures[0].columns.coil_x_v: found a drive in V; expected `coil_x_a`",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "free_run", "id": "run", "columns": {"time_s": []}})
-            },
-            "procedures[0].columns: found no rows",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "coil_constant", "id": "coil", "coil": "x", "to_nt": 61000})
-            },
-            "procedures[0].to_nt: found 61000 nT on coil x; expected at most 60000 nT",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "coil_constant", "id": "coil", "coil": "x", "from_nt": 15000})
-            },
-            "procedures[0].from_nt: found 15000 nT, which the scalar magnetometer does not read; expected 20000 to 60000 nT",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] = json!({"procedure": "nulling_residual", "id": "null", "series": []})
-            },
-            "procedures[0].series: found an empty list",
-        ),
-        (
-            |plan| plan["procedures"][0] = json!({"procedure": "sensor_noise", "id": "noise", "series": [{"length_s": 1e12, "step_s": 1}]}),
-            "procedures[0].series[0]: found 1·10¹² samples in one recording",
-        ),
-        (
-            |plan| {
-                plan["procedures"][0] =
-                    json!({"procedure": "temperature_run", "id": "warm", "monitor_s": 3600})
-            },
-            "procedures[0].monitor_s: found 3600, longer than the 1800 s of timing.temperature_settle_s",
-        ),
-        (
-            |plan| plan["procedures"][0] = json!({"procedure": "offset_drift", "id": "drift"}),
-            "start: found no such key; expected the moment at which the campaign begins",
-        ),
-        (
-            |plan| plan["procedures"][0] = json!({"procedure": "differential", "id": "pair"}),
-            "truth.outside: found no such key; expected the natural field",
-        ),
-        (
-            |plan| plan["start"] = json!("1977-05-26T09:00:00"),
-            "start: found \"1977-05-26T09:00:00\"; expected a moment with its offset",
-        ),
-        (
-            |plan| plan["timing"] = json!({"reading_s": -1}),
-            "timing.reading_s: found -1; expected a positive number",
-        ),
-        (
-            |plan| {
-                plan["truth"]["model"] = json!({"effects": [{"effect": "stray_current", "column": "panel_current_a",
-                    "parameters": {"x_nt_per_a": 1, "y_nt_per_a": 1, "z_nt_per_a": 1}}]});
-            },
-            "truth.model.effects[0].column: found \"panel_current_a\"; expected a column that one of the recordings has",
-        ),
-        (
-            |plan| {
-                plan["calibration"]["reference_conditions"] = json!({"sensor_temperature_c": 23});
-                plan["truth"]["model"] = json!({"effects": [{"effect": "offset_temperature", "sensor": "x",
-                    "parameters": {"coefficient_nt_per_k": 1, "curvature_nt_per_k2": 0}}]});
-            },
-            "expected the column `sensor_temperature_c`; state `temperatures` in the plan",
-        ),
-    ];
-    for (fault, message) in cases {
-        let mut plan = plan();
-        fault(&mut plan);
+    let mut faulty = plan();
+    let mut told = 0;
+    for line in FAULTS.trim().lines() {
+        let Some(message) = line.strip_prefix("    ") else {
+            let (path, value) = line.split_once(" = ").expect("a path and a value");
+            let place = path.split('.').fold(&mut faulty, |place, key| match key.parse::<usize>() {
+                Ok(index) => &mut place[index],
+                Err(_) => &mut place[key],
+            });
+            *place = serde_json::from_str(value).expect("JSON");
+            continue;
+        };
         let folder = tempfile::tempdir().expect("a folder");
         let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
         let arguments = ["campaign", "--truth", &file("truth.json"), "-o", &file("document.json")];
-        let run = testkit::run(SIMULATE, &arguments, &plan.to_string());
+        let run = testkit::run(SIMULATE, &arguments, &faulty.to_string());
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{message}");
         assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{message}");
         assert!(run.stderr.contains(message), "{}\nwhere this is expected:\n{message}", run.stderr);
+        (faulty, told) = (plan(), told + 1);
     }
+    assert_eq!(told, 33);
 }

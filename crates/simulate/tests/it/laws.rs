@@ -75,53 +75,45 @@ fn each(model: impl Fn(u64) -> Value, law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(5)).for_each(|seed| law(seed, &document(seed, model(seed))));
 }
 
+/// That predictions of what is changed are the predictions, changed.
+fn commutes(model: fn(u64) -> Value, name: &str, change: impl Fn(u64, &Value) -> Value, close: &Close) {
+    each(model, |seed, document| laws::commutes(name, document, |it| change(seed, it), replay, close));
+}
+
 /// A prediction is some dozens of products and sums of numbers with sixteen digits.
 const PREDICTED: Close = Close { relative: 1e-13, direction: 1e-15, ..Close::SUMMED };
 
 #[test]
 fn the_names_of_the_axes_do_not_matter() {
-    each(everything, |_, document| laws::commutes("rename", document, laws::rename_axes, replay, &PREDICTED));
+    commutes(everything, "rename", |_, document| laws::rename_axes(document), &PREDICTED);
 }
 
 #[test]
 fn volts_and_amperes_by_another_measure_scale_the_readings() {
-    let law = |_, document: &Value| {
-        laws::commutes("volts", document, |document| laws::scale_volts(document, 0.73), replay, &PREDICTED);
-    };
-    each(everything, law);
+    commutes(everything, "volts", |_, document| laws::scale_volts(document, 0.73), &PREDICTED);
 }
 
 #[test]
 fn the_frame_of_the_laboratory_does_not_matter() {
-    let law = |seed, document: &Value| {
-        let turn = |document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
-        laws::commutes("geo", document, turn, replay, &PREDICTED);
-    };
-    each(instant, law);
+    let turn = |seed, document: &Value| laws::rotate_geo(document, &laws::rotation(seed));
+    commutes(instant, "geo", turn, &PREDICTED);
 }
 
 #[test]
 fn the_order_of_recordings_does_not_matter() {
-    let law = |seed, document: &Value| {
-        laws::commutes("order", document, |document| laws::reorder(document, seed), replay, &Close::EXACT);
-    };
-    each(everything, law);
+    commutes(everything, "order", |seed, document| laws::reorder(document, seed), &Close::EXACT);
 }
 
 #[test]
 fn a_recording_in_two_is_the_same_where_nothing_has_memory() {
     for procedure in ["sensor_sensitivity", "temperature_run", "axes_orientation", "sensor_offset_reversal"] {
-        let law = |seed, document: &Value| {
-            let halves = |document: &Value| laws::split(document, procedure, 1, seed);
-            laws::commutes("split", document, halves, replay, &Close::EXACT);
-        };
-        each(instant, law);
+        commutes(instant, "split", |seed, it| laws::split(it, procedure, 1, seed), &Close::EXACT);
     }
 }
 
 #[test]
 fn twice_the_declared_noise_is_twice_the_noise() {
-    let law = |seed, document: &Value| {
+    each(everything, |seed, document| {
         let noisy =
             laws::stage(|document| simulate::replay(&document, Some(seed)).map(|replayed| replayed.document));
         let clean = replay(document);
@@ -129,8 +121,7 @@ fn twice_the_declared_noise_is_twice_the_noise() {
         // What is beyond the clean readings, twice; declared as what it is.
         let expected = laws::double_noise(&noisy(&clean), &clean);
         Close { relative: 1e-12, ..PREDICTED }.check("noise", &louder, &expected);
-    };
-    each(everything, law);
+    });
 }
 
 #[test]
@@ -140,9 +131,6 @@ fn unknown_keys_change_nothing_and_stay() {
 
 #[test]
 fn a_reference_temperature_moves_no_reading() {
-    let law = |_, document: &Value| {
-        let moved = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
-        laws::commutes("reference", document, moved, replay, &PREDICTED);
-    };
-    each(laws::warm, law);
+    let moved = |_, document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
+    commutes(laws::warm, "reference", moved, &PREDICTED);
 }

@@ -1,5 +1,6 @@
 //! The integration tests of `simulate`: one program, a module for each subject.
 
+mod build;
 mod campaign;
 mod effects;
 mod golden;

@@ -16,24 +16,25 @@ fn run(threads: &str, arguments: &[&str]) -> Vec<u8> {
     output.stdout
 }
 
+/// What a sweep of the axes' plan writes with these options.
+fn swept(threads: &str, options: &str) -> Vec<u8> {
+    let plan = plan("magsat-axes");
+    let fixed = ["sweep", "-q", plan.as_str()];
+    run(threads, &fixed.into_iter().chain(options.split(' ')).collect::<Vec<_>>())
+}
+
 #[test]
 fn one_thread_and_two_give_the_same_bytes() {
     for name in ["cubesat", "magsat"] {
         let campaign = ["campaign", "-q", &plan(name)];
         assert!(run("1", &campaign) == run("2", &campaign), "{name}");
     }
-    let sweep = ["sweep", "-q", &plan("magsat-axes"), "--seeds", "1..5"];
-    assert!(run("1", &sweep) == run("2", &sweep));
+    assert!(swept("1", "--seeds 1..5") == swept("2", "--seeds 1..5"));
 }
 
 #[test]
 fn parts_of_the_seeds_are_the_whole() {
-    let part = |seeds: &str| {
-        run(
-            "2",
-            &["sweep", "-q", &plan("magsat-axes"), "--seeds", seeds, "--set", "truth.residual_field_nt.z=5"],
-        )
-    };
+    let part = |seeds: &str| swept("2", &format!("--seeds {seeds} --set truth.residual_field_nt.z=5"));
     assert!([part("1..2"), part("3..5")].concat() == part("1..5"));
 }
 
@@ -41,43 +42,28 @@ fn parts_of_the_seeds_are_the_whole() {
 fn seeds_and_values_in_every_combination() {
     let folder = tempfile::tempdir().expect("a folder");
     let truth = folder.path().join("truth.ndjson");
-    let text = run(
-        "2",
-        &[
-            "sweep",
-            &plan("magsat-axes"),
-            "--seeds",
-            "3,8",
-            "--set",
-            "instrument.noise.white_rms_nt=0.5,2",
-            "--set",
-            "truth.residual_field_nt.z=5",
-            "--truth",
-            truth.to_str().expect("UTF-8"),
-        ],
-    );
+    let set = "--set instrument.noise.white_rms_nt=0.5,2 --set truth.residual_field_nt.z=5";
+    let text = swept("2", &format!("--seeds 3,8 {set} --truth {}", truth.display()));
     let lines = |text: &str| -> Vec<Value> {
         text.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect()
     };
     let documents = lines(std::str::from_utf8(&text).expect("UTF-8"));
     let truths = lines(&std::fs::read_to_string(&truth).expect("there"));
     assert_eq!((documents.len(), truths.len()), (4, 4));
-    let seeds: Vec<_> = truths.iter().map(|truth| truth["seed"].as_u64().expect("a seed")).collect();
-    assert_eq!(seeds, [3, 8, 3, 8]);
-    let noise: Vec<_> =
-        documents.iter().map(|d| d["instrument"]["noise"]["white_rms_nt"].as_f64().expect("noise")).collect();
-    assert_eq!(noise, [0.5, 0.5, 2.0, 2.0]);
-    assert!(truths.iter().all(|truth| truth["residual_field_nt"][2] == 5.0));
-    assert_eq!(documents[3]["history"][0]["arguments"][1], "--seed=8");
+    for (number, (seed, noise)) in [(3, 0.5), (8, 0.5), (3, 2.0), (8, 2.0)].into_iter().enumerate() {
+        assert_eq!(truths[number]["seed"], seed);
+        assert_eq!(truths[number]["residual_field_nt"][2], 5.0);
+        assert_eq!(documents[number]["instrument"]["noise"]["white_rms_nt"], noise);
+        assert_eq!(documents[number]["history"][0]["arguments"][1], format!("--seed={seed}"));
+    }
     assert!(!String::from_utf8_lossy(&text).contains("residual_field_nt\""));
     // A line is the campaign of its seed.
     let campaign = run("1", &["campaign", "-q", "--seed", "8", &plan("magsat-axes")]);
-    let mut campaign: Value = serde_json::from_slice(&campaign).expect("JSON");
-    let swept = run("2", &["sweep", "-q", &plan("magsat-axes"), "--seeds", "8"]);
-    let mut swept: Value = serde_json::from_slice(&swept).expect("JSON");
-    for document in [&mut campaign, &mut swept] {
+    let [campaign, swept] = [campaign, swept("2", "--seeds 8")].map(|text| {
+        let mut document: Value = serde_json::from_slice(&text).expect("JSON");
         document.as_object_mut().expect("an object").remove("history");
-    }
+        document
+    });
     assert_eq!(campaign, swept);
 }
 

@@ -1,4 +1,5 @@
-//! MATLAB's `magcal` by its documented example, and by NumPy on a turned ellipsoid
+//! Numbers from outside. The meadow against SciPy (`fixtures/reference/scalar_scipy.py`, numpy 2 and scipy
+//! 1.17); MATLAB's `magcal` by its documented example, and by NumPy on a turned ellipsoid
 //! (`fixtures/reference/magcal_numpy.py`, numpy 2).
 
 use common::Document;
@@ -7,7 +8,7 @@ use scalarcal::Options;
 use serde_json::json;
 use std::f64::consts::PI;
 
-use crate::build::run;
+use crate::build::{self, declared, run};
 
 /// What the documentation prints for the expected field strength.
 const DOCUMENTED: f64 = 31.0723;
@@ -79,4 +80,32 @@ fn an_ellipsoid_that_is_turned() {
     let shape = shape.try_inverse().expect("a shape") * 45.0;
     let a = Matrix3::from_fn(|i, j| TURNED[i][j]);
     hold(&points(shape), a, TURNED_STRENGTH, 1e-9);
+}
+
+/// Values and standard uncertainties.
+const SCIPY: [(f64, f64); 9] = [
+    (6412.782424947416, 0.012779102185380505),
+    (6380.813662978486, 0.012741805425620286),
+    (6406.419593383386, 0.01285598489840434),
+    (12.172157416962685, 0.06776501984113262),
+    (-7.870009253948713, 0.06765943414221977),
+    (4.009844719091609, 0.06779777891310872),
+    (1800.1969568777668, 0.6502935922603412),
+    (-1080.7983142547257, 0.6507992159439069),
+    (719.4967944057038, 0.6536027909950164),
+];
+
+/// The noise is declared white, as SciPy has it; the second-order term of the noise is 1e-5 nT here.
+#[test]
+fn values_and_uncertainties_of_scipy() {
+    let document =
+        Document::parse(&testkit::read_fixture("scalarcal/meadow/input.json")).expect("a document");
+    let document = run(declared(document, 0.56), &Options::default());
+    for ((value, std), (expected, expected_std)) in build::found(&document).iter().zip(SCIPY) {
+        assert!(
+            (value - expected).abs() < 0.02 * expected_std,
+            "{value} where SciPy has {expected} ± {expected_std}"
+        );
+        assert!((std / expected_std - 1.0).abs() < 0.02, "{std} where SciPy has {expected_std}");
+    }
 }
