@@ -21,7 +21,7 @@
 //!   (`form_error`: what these add to the uncertainty of every fitted parameter; `sized`: intervals of
 //!   parameters). `evidence` is the marginal likelihood, `sets` the beam search over sets, `verdict` the
 //!   names with probabilities and shares, `families` the kinds of physics. All thresholds are in `decide`.
-//! - `plain` judges names by held-out readings, beside plain regressions (`report/rivals`); `linear` tells of a
+//! - `plausible` takes back names of impossible shapes. `plain` judges names by held-out readings, beside plain regressions (`report/rivals`); `linear` tells of a
 //!   refit that leaves more than linear least squares. `beside` answers of two instruments side by side.
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
 //!   residual (`moments`: which of it is new, which pays its trials factor). `approach`: where it
@@ -69,6 +69,7 @@ mod moved;
 mod next;
 mod observed;
 mod plain;
+mod plausible;
 mod products;
 mod projection;
 mod proposal;
@@ -297,6 +298,7 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     told("writing the answer");
     outcome.notes.extend(notes);
     stands::standing(&original, &model, &start, &mut outcome)?;
+    plausible::judge(&model, &mut outcome);
     let mut fit = report::fit(&model, &mut searcher, &outcome)?;
     if plain::judge(&mut outcome, &fit) {
         fit = report::fit(&model, &mut searcher, &outcome)?;
