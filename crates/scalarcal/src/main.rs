@@ -49,23 +49,13 @@ enum Command {
     /// Calibrate from long series in files, in one pass and bounded memory
     #[command(after_help = "Example:\n  \
         scalarcal stream --document fixtures/scalarcal/pieces/stated.json \\\n    fixtures/scalarcal/pieces/*.csv > result.json")]
-    Stream {
-        #[command(flatten)]
-        stream: pieces::Stream,
-        #[command(flatten)]
-        known: KnownArgs,
-    },
+    Stream(StreamArgs),
     /// Calibrate from statistics of pieces, as `scalarcal stream --partial` writes them
     #[command(after_help = "Example:\n  \
         scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv > pieces.ndjson\n  \
         scalarcal stream --partial fixtures/scalarcal/pieces/evening.csv >> pieces.ndjson\n  \
         scalarcal merge --document fixtures/scalarcal/pieces/stated.json \\\n    pieces.ndjson > result.json")]
-    Merge {
-        #[command(flatten)]
-        merge: pieces::Merge,
-        #[command(flatten)]
-        known: KnownArgs,
-    },
+    Merge(MergeArgs),
 }
 
 #[derive(Args)]
@@ -82,6 +72,22 @@ struct FitArgs {
 }
 
 #[derive(Args)]
+struct StreamArgs {
+    #[command(flatten)]
+    stream: pieces::Stream,
+    #[command(flatten)]
+    known: KnownArgs,
+}
+
+#[derive(Args)]
+struct MergeArgs {
+    #[command(flatten)]
+    merge: pieces::Merge,
+    #[command(flatten)]
+    known: KnownArgs,
+}
+
+#[derive(Args)]
 struct KnownArgs {
     /// Document that states instrument, reference and sensors; the calibration is added to it, its recordings are not read
     #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
@@ -94,11 +100,11 @@ fn main() -> ExitCode {
     let cli = manual::parse::<Cli>();
     let result = match &cli.command {
         None => run(cli),
-        Some(Command::Stream { stream, known }) => {
-            known.answered(|answer| stream.run(&Columns, answer)).map_err(Into::into)
+        Some(Command::Stream(args)) => {
+            args.known.answered(|answer| args.stream.run(&Columns, answer)).map_err(Into::into)
         }
-        Some(Command::Merge { merge, known }) => {
-            known.answered(|answer| merge.run(answer)).map_err(Into::into)
+        Some(Command::Merge(args)) => {
+            args.known.answered(|answer| args.merge.run(answer)).map_err(Into::into)
         }
     };
     pipe::finish(PROGRAM, result)
