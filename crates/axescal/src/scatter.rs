@@ -1,6 +1,6 @@
-//! The noise of the readings: as it is declared, or as they scatter about the fit, which changes with it; of
-//! all of them, or of those with constant drives and the amplitudes of AC runs apart, which it has from
-//! different sources.
+//! The noise of the readings: as it is declared, or as they scatter about the fit, which changes with it.
+//! Readings with constant drives and amplitudes of AC runs are judged apart where both are there: their
+//! standard deviations come from different sources.
 
 use common::number::{counted, p_value, plural, significant};
 use estimate::{Fit, Options as Iteration, Problem, robust, stats};

@@ -25,6 +25,7 @@ pub struct Approach {
     fit: Fit,
     /// The noise beside them.
     noise: NoiseModel,
+    /// What they are called.
     names: Vec<String>,
     /// The candidates about it, where it is elsewhere.
     pub pool: Option<Pool>,

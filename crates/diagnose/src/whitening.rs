@@ -68,7 +68,8 @@ impl NoiseModel {
         Self::with(observed, &estimate(document, observed, residual), 0.0)
     }
 
-    /// Noise with memory as a residual shows it beside columns (nT, stacked) that were fitted, whatever is declared.
+    /// Noise with memory as a residual shows it beside columns (nT, stacked) that were fitted, whatever is
+    /// declared.
     pub fn restricted(
         document: &Document,
         observed: &Observed<'_>,

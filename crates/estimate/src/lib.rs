@@ -57,7 +57,7 @@ use thiserror::Error;
 
 /// Why an estimate could not be made.
 #[derive(Debug, Error)]
-#[expect(missing_docs, reason = "what the fields are their messages say")]
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// The matrix has entries that are not finite, or the decomposition failed.
     #[error(

@@ -37,7 +37,7 @@ pub use explained::{Explained, explain};
 pub use fit::Fit;
 pub use form::{Form, sampled, smoothed};
 pub use held_out::{HeldOut, Plain};
-pub use noises::filter;
+pub use noises::{filter, power_law};
 pub use problem::{Cause, Course, Covariate, Problem, Term};
 pub use search::{Rival, odds};
 pub use select::{thinned, weigh};

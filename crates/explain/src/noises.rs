@@ -61,13 +61,19 @@ impl Form {
     }
 }
 
+/// Density at 1 Hz (one-sided) of noise f^-α that exceeds white noise of variance one by a ratio at a period
+/// of twenty steps.
+pub fn power_law(step_s: f64, exponent: f64, ratio: f64) -> f64 {
+    ratio * 2.0 * step_s * (AT / step_s).powf(exponent)
+}
+
 /// Laws for a white part of one: S(f) = 2 Δt (1 + r (0.05/(f Δt))^α), one-sided, and 2 Δt (1 + r/(1 + (2π f/λ)²)). An
 /// exponent of two is a random walk, whose state needs no memory of the time before the first row: a level stands for
 /// it. The first is white noise.
 pub fn laws(step_s: f64) -> Vec<Form> {
     let white = Noise { white_rms_nt: Some(1.0), ..Noise::default() };
     let with = |exponent: f64, ratio: f64| {
-        let amplitude = ratio * 2.0 * step_s * (AT / step_s).powf(exponent);
+        let amplitude = power_law(step_s, exponent, ratio);
         if exponent == 2.0 {
             // Density r²/(2π²f²).
             let walk = (2.0 * amplitude).sqrt() * PI;

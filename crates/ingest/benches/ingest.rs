@@ -1,7 +1,7 @@
 //! Speed of IAGA-2002 and CSV.
 //!
-//! A million rows read, and read and written as Parquet, against pandas on the same file, each way in a process
-//! of its own and the fastest of some runs (FLUXCAL_PYTHON names another interpreter than python3,
+//! A million rows read, and read and written as Parquet, against pandas on the same file, each way in a
+//! process of its own and the fastest of some runs (FLUXCAL_PYTHON names another interpreter than python3,
 //! FLUXCAL_BENCH_ROWS another number of rows).
 
 use common::Document;

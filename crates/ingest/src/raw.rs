@@ -6,8 +6,8 @@ use common::number::{bare, counted};
 use crate::mapping::ColumnMapping;
 
 /// Makes fill values missing, whole numbers in two's complement signed, and values outside the valid range
-/// missing: in words, what became missing; and the first row that is no whole number of so many bits, with
-/// what was expected.
+/// missing. Returns notes on what became missing, and the first row that is no whole number of so many bits,
+/// with what was expected.
 pub fn clean(column: &ColumnMapping, values: &mut [f64]) -> (Vec<String>, Option<(usize, String)>) {
     let (name, mut notes) = (&column.to, Vec::new());
     let fills = &column.missing;

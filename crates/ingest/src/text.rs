@@ -147,3 +147,13 @@ pub(crate) fn quoted(bytes: &[u8]) -> String {
     }
     format!("{short:?}")
 }
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn each_line_end_counts_once() {
+        let text = super::plain(b"\xEF\xBB\xBFa\r\nb\rc\r\r\nd\ne".to_vec());
+        let all: Vec<(u32, &[u8])> = super::lines(&text).collect();
+        assert_eq!(all, [(1, &b"a"[..]), (2, b"b"), (3, b"c"), (4, b"d"), (5, b"e")]);
+    }
+}

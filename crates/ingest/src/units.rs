@@ -12,9 +12,9 @@ pub struct Conversion {
 /// Arcseconds of a radian.
 const RADIAN_ARCSEC: f64 = 206_264.806_247_096_36;
 
-/// Units of files: the ending of the document's columns for what they measure, how many of the first unit of
-/// that kind one is, where its zero lies in that, and how people write it. Letters count: mT is not MT, and G
-/// (gauss) not g.
+/// Units of files: the ending of the document's columns for what they measure, size and zero in that kind's
+/// base unit (the one of size one; for angles arcseconds, whose ending `ending_for` tells), and how people
+/// write it. Letters count: mT is not MT, and G (gauss) not g.
 const UNITS: [(&str, f64, f64, &str); 43] = [
     ("nt", 1.0, 0.0, "nT nt gamma"),
     ("nt", 1e9, 0.0, "T"),

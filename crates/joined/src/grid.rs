@@ -115,7 +115,8 @@ pub struct Boundary {
     pub jump: Jump,
 }
 
-/// Where the times of reference or test instrument do something, in the order of rows.
+/// Where on the grid the times of the reference or the test instrument jump or pause, as `jumps` lists it, in
+/// the order of rows.
 pub fn on_grid(
     grid: &Grid,
     [reference, test]: [&Instrument; 2],

@@ -434,8 +434,8 @@ impl Whitening {
     }
 }
 
-/// The steps between times in order, and the median of those that are not zero (zero where all are): the
-/// typical one, to which those are set that count as equal to it.
+/// The steps between times in order, and the typical one: the median of those above zero (zero where there
+/// are none). Steps that count as equal to the typical one are set to it.
 fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
     let ordered = |row: &usize| match row {
         0 => time_s[0].is_finite(),

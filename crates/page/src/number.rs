@@ -1,4 +1,4 @@
-//! Numbers in the cells of tables.
+//! Numbers as people read them, and the ends of a series.
 
 pub use common::number::*;
 

@@ -99,13 +99,13 @@ rows!(A B C D E F G H I J);
 
 impl Cell {
     /// So many figures of a number, where there is one.
-    pub fn figures(number: impl Into<Option<f64>>, figures: usize) -> Self {
-        number.into().map(|number| Cell::Figures(number, figures)).into()
+    pub fn figures(number: Option<f64>, figures: usize) -> Self {
+        number.map(|number| Cell::Figures(number, figures)).into()
     }
 
     /// A probability, where there is one.
-    pub fn probability(p: impl Into<Option<f64>>) -> Self {
-        p.into().map(Cell::Probability).into()
+    pub fn probability(p: Option<f64>) -> Self {
+        p.map(Cell::Probability).into()
     }
 }
 

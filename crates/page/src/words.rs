@@ -1,4 +1,4 @@
-//! Words that several sections share.
+//! Words that several sections share, and text within markup.
 
 use common::{Axis, PerAxis, Quantity};
 

@@ -6,7 +6,7 @@ pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 
 /// Why a recording cannot be predicted or corrected.
 #[derive(Debug, Error, PartialEq)]
-#[expect(missing_docs, reason = "what the fields are their messages say")]
+#[expect(missing_docs, reason = "the messages say what the fields are")]
 pub enum Error {
     /// An orientation is not a rotation.
     #[error("found {found}; expected {expected}")]

@@ -1,5 +1,5 @@
-//! The numbers that the forward model is written in, and those that carry several derivatives at once: one pass
-//! of the chain gives them all.
+//! The numbers that the forward model is written in, and those that carry several derivatives at once: one
+//! pass of the chain gives them all.
 
 use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Scalar};
 use num_dual::{DualNum, DualSVec64};

@@ -1,7 +1,7 @@
 //! Any document as one page: what each stage found, in words, tables and plots.
 //!
-//! A [`Page`] is made of the document by [`run`]; the crate `page` writes it. Each part of
-//! a document has its file below `sections`. What the document does not hold is not computed here.
+//! A [`Page`] is made of the document by [`run`]; the crate `page` writes it. Each
+//! section is made by a function below `sections`. What the document does not hold is not computed here.
 //!
 //! `conformity` gives one more section of the same form; `certificate` makes a document of its own.
 

@@ -1,5 +1,5 @@
-//! What the readings say beside the calibration itself: of the calibration that was stated before, of a constant
-//! error of the reference, and whether the calibration holds over the time.
+//! What the readings say beside the calibration itself: of the calibration that was stated before, of a
+//! constant error of the reference, and whether the calibration holds over the time.
 
 use common::{Document, Quantity, ReferenceOffset, ScalarStability, ScalarWindow};
 use estimate::{Svd, stats};

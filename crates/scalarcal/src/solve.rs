@@ -165,9 +165,9 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
     Ok(Some(first.1))
 }
 
-/// Which rows of each recording were not disturbed: those to which Tukey's bisquare gives a weight, after fits
-/// with weights until these settle. Of normal errors one in 350 000 is left out, so that the fit of the others
-/// is that of least squares.
+/// Which rows of each recording were not disturbed: those to which Tukey's bisquare gives a weight, after
+/// fits with weights until these settle. Of normal errors one in 350 000 is left out, so that the fit of the
+/// others is that of least squares.
 ///
 /// # Errors
 ///

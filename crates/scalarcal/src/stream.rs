@@ -120,9 +120,11 @@ impl Series for Columns {
 impl Take for Statistics {
     type Partial = Partial;
 
-    /// What comes out does not depend on how the rows are cut into batches. NaN stands for a missing reading.
+    /// Columns: times (s), the outputs of the sensors x, y, z, and the magnitude of the field or its three
+    /// components (nT). NaN stands for a missing reading. What comes out does not depend on how the rows are
+    /// cut into batches.
     fn push(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
-        let [time_s, x, y, z, magnitude @ ..] = columns else {
+        let [time_s, x, y, z, first, more @ ..] = columns else {
             let (found, expected) = (columns.len(), 5);
             return Err(Fault::Lengths { found, expected }.into());
         };
@@ -131,9 +133,9 @@ impl Take for Statistics {
             return Err(Fault::Lengths { found: odd.len(), expected }.into());
         }
         for row in 0..expected {
-            let magnitude_nt = match magnitude {
-                [bx, by, bz] => bx[row].hypot(by[row]).hypot(bz[row]),
-                _ => magnitude[0][row],
+            let magnitude_nt = match more {
+                [by, bz] => first[row].hypot(by[row]).hypot(bz[row]),
+                _ => first[row],
             };
             self.take(time_s[row], [x[row], y[row], z[row]], magnitude_nt)?;
         }

@@ -60,10 +60,8 @@ pub fn offset(
         let out = pairs.row.iter().zip(&pairs.used).filter(|(_, used)| !**used);
         let rows: Vec<String> = out.map(|(row, _)| row.to_string()).collect();
         if !rows.is_empty() {
-            let (pairs, are) = match rows.len() {
-                1 => ("pair from row", "is an outlier"),
-                _ => ("pairs from rows", "are outliers"),
-            };
+            let pairs = plural(rows.len(), "pair from row", "pairs from rows");
+            let are = plural(rows.len(), "is an outlier", "are outliers");
             let (id, rows) = (&recording.id, rows.join(", "));
             found.findings.push(format!("recording \"{id}\": the {pairs} {rows} {are} and left out"));
         }

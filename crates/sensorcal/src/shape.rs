@@ -37,7 +37,7 @@ pub struct Shape {
     source: &'static str,
     /// Variance of rounding, nT².
     rounding_nt2: f64,
-    /// [`FULL`].
+    /// Readings in one fit up to which its covariance is a full matrix: [`FULL`], except in tests.
     pub full: usize,
 }
 

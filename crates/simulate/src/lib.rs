@@ -3,7 +3,7 @@
 //! The readings come from the same forward model that the calibrations fit ([`physics::predict`]), with
 //! noise and quantisation on top. What is true goes to a file of its own, never into the document.
 //!
-//! A plan says what is stated and what is true. Each procedure (`procedures`, one file each) gives `Planned`
+//! A plan says what is stated and what is true. Each procedure (`procedures`) gives `Planned`
 //! recordings: conditions, columns that the operator sets, and the operator's steps, from which both the
 //! recording and the run sheet are made. `schedule` puts them on one clock. `make` takes each through the
 //! true chain: [`physics::predict`] with the field left in the coils, a shield or the natural field around,

@@ -2,7 +2,7 @@
 
 use clap::{Args, Parser, Subcommand};
 use common::number::counted;
-use common::{Document, Error, HistoryEntry, Recording};
+use common::{Document, Error, Recording};
 use program::beside::{self, INLINE_ROWS, Table};
 use program::pipe::{self, Input, Io, Program, Sink, StageIo};
 use program::{apart, manual, progress};
@@ -157,7 +157,7 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     }
     let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
     let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
-    document.history.push(history(arguments, input.sha256()));
+    document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
     let rows: usize = document.recordings.iter().map(Recording::rows).sum();
     let long = document.recordings.iter_mut().filter(|one| *beside && one.rows() > INLINE_ROWS);
     let tables: Vec<Table> = long.map(|one| Table::of(one, beside::file_name(&one.id))).collect();
@@ -216,7 +216,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         // No number of the case: what is made by parts, on several machines, is then what is made at once.
         let set = case.set.iter().map(|(path, value)| format!("--set={path}={value}"));
         let arguments = ["sweep".into(), format!("--seed={}", plan.seed)].into_iter().chain(set).collect();
-        document.history.push(history(arguments, sha256.clone()));
+        document.history.push(PROGRAM.entry(arguments, Some(sha256.clone())));
         let truth = if truth_wanted { truth.to_line()? + "\n" } else { String::new() };
         Ok((document.to_line()? + "\n", truth))
     };
@@ -250,16 +250,6 @@ fn separate(io: &Io, truth: Option<&Path>) -> Result<(), Error> {
     io.apart([])?;
     apart::check(truth, io.file.as_deref())?;
     apart::from_document("--truth", truth, io.output.as_deref())
-}
-
-fn history(arguments: Vec<String>, sha256: String) -> HistoryEntry {
-    HistoryEntry {
-        stage: PROGRAM.name.into(),
-        version: PROGRAM.version.into(),
-        arguments,
-        input_sha256: Some(sha256),
-        extra: Default::default(),
-    }
 }
 
 fn say(io: &Io, words: &str) {

@@ -37,6 +37,7 @@ pub struct Recordings {
 pub struct Hours {
     /// Turning the block, with the first reading of the theodolites.
     pub orientations: f64,
+    /// Reading the theodolites again.
     pub theodolites: f64,
     pub drives: f64,
     pub temperatures: f64,

@@ -3,7 +3,9 @@
 //!
 //! Not asked here: splitting a run with a sine, whose amplitude is of the whole run.
 
-use axescal::Options;
+use axescal::{AxesProblem, AxesState, Freedom, NoiseFactors, Options};
+use common::Document;
+use nalgebra::Matrix3;
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
 
@@ -137,5 +139,29 @@ fn a_reference_temperature_moves_no_direction() {
     for seed in 0..testkit::campaigns(4) {
         let law = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
         laws::commutes("reference", &campaign(&warm(seed)), law, run, &Close::SOLVED.but(&["iterations"]));
+    }
+}
+
+/// Of NASA's readings.
+#[test]
+fn the_unit_of_the_field_does_not_matter() {
+    let document = Document::parse(&testkit::read_fixture("nasa-1977/table-4.json")).expect("a document");
+    let read = axescal::observe(&document, &Options::default()).expect("readings");
+    let freedom = Freedom::default();
+    let solved = |factor: f64| {
+        let mut all = read.clone();
+        for one in &mut all.readings {
+            one.value_nt *= factor;
+            one.drive_nt *= factor;
+            one.std_nt *= factor;
+        }
+        let start = AxesState::new(Matrix3::identity(), Matrix3::identity(), all.orientations.len());
+        let problem = AxesProblem::new(&all, &freedom, NoiseFactors::ONE);
+        estimate::solve(&problem, start, None, &estimate::Options::default()).expect("a minimum").state
+    };
+    let one = solved(1.0);
+    for factor in [1e-3, 1e3] {
+        let other = solved(factor);
+        assert!((one.mu - other.mu).amax() < 1e-9 && (one.eta - other.eta).amax() < 1e-9, "{factor}");
     }
 }

@@ -4,7 +4,7 @@
 use common::{Axis, CoilFit, Document, Recording, procedure};
 use noise::Stream;
 
-use crate::build::calibrated;
+use crate::build::{calibrated, simulated};
 
 /// A coil of 40 000 nT/A, 20 000 to 60 000 nT in both directions, five readings each with 0.3 nT; `field`
 /// gives the magnitude at a current and time.
@@ -115,4 +115,31 @@ fn levels_that_scatter_more_weigh_less() {
     // Ten times the noise; four degrees of freedom of the common scatter draw them together.
     assert!(ratio > 1.8, "{ratio}");
     assert!(errors[0] < 2.5 * errors[1], "{errors:?}");
+}
+
+#[test]
+fn a_coil_that_heats_is_seen_to_fall() {
+    let mut falls = 0;
+    for seed in 0..10 {
+        let plan = serde_json::json!({
+            "fluxcal": 1,
+            "seed": seed,
+            "facility": {"reference_std_nt": 0.2, "reference_range_nt": [15000, 65000]},
+            "calibration": {"coils": {"z": {"constant_nt_per_a": 43000}}},
+            "truth": {"model": {"effects": [{"effect": "coil_heating", "coil": "z", "parameters": {"fall_ppm_per_a2": 200, "lag_s": 1500}}]}},
+            "procedures": [{"procedure": "coil_constant", "id": "coil", "coil": "z"}]
+        });
+        let found = calibrated(simulated(&plan));
+        let fit = found.coil(Axis::Z).and_then(|coil| coil.constant.clone()).expect("a fit");
+        let drift = fit.departures.iter().find(|d| d.departure == "constant_drift").expect("looked for");
+        println!(
+            "heating: {}, constant_drift {:.2e}, p {:.1e}",
+            fit.model,
+            drift.parameter[0].value(),
+            drift.p_adjusted
+        );
+        falls +=
+            u32::from(fit.model != "line" && drift.parameter[0].value() < 0.0 && drift.p_adjusted < 0.01);
+    }
+    assert_eq!(falls, 10);
 }

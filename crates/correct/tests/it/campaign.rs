@@ -10,22 +10,34 @@ use correct::Frame;
 use physics::{References, Setting};
 use rayon::prelude::*;
 use serde_json::Value;
-use testkit::laws::Draw;
 
 const FIELDS: usize = 400;
 const LARGEST_NT: f64 = 64_000.0;
 
+/// Numbers from 0 to 1 that follow each other without pattern.
+struct Numbers(u64);
+
+impl Numbers {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
 /// Fields of every direction and size, at temperatures of sensors and electronics from −7 to 53 degC, a day
 /// after the beginning.
 pub fn flight(seed: u64) -> Recording {
-    let mut numbers = Draw::new(seed);
+    let mut numbers = Numbers(seed);
     let rows: Vec<[f64; 6]> = (0..FIELDS)
         .map(|row| {
-            let size = LARGEST_NT * (0.5 + 0.5 * numbers.even()).cbrt();
-            let (height, azimuth) = (numbers.even(), std::f64::consts::PI * numbers.even());
+            let size = LARGEST_NT * numbers.next().cbrt();
+            let (height, azimuth) = (2.0 * numbers.next() - 1.0, std::f64::consts::TAU * numbers.next());
             let across = (1.0 - height * height).sqrt();
             let [x, y, z] = [azimuth.cos() * across, azimuth.sin() * across, height].map(|part| size * part);
-            [row as f64, x, y, z, 23.0 + 30.0 * numbers.even(), 23.0 + 30.0 * numbers.even()]
+            [row as f64, x, y, z, 60.0 * numbers.next() - 7.0, 60.0 * numbers.next() - 7.0]
         })
         .collect();
     let names = ["time_s", "ambient_x_nt", "ambient_y_nt", "ambient_z_nt"];

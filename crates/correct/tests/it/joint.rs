@@ -131,13 +131,10 @@ fn check(before: &Document, stages: &dyn Fn(&Document) -> Document, after: &Docu
             [SHARE, -SHARE].map(|share| values(&stages(&moved(before, &source.moves, share)), &all));
         for (path, up) in &up {
             let by = (up - down[path]) / (2.0 * SHARE) + beside(before, after, &source.moves, path);
-            let apart = (by - said.moves.get(path).copied().unwrap_or(0.0)).abs();
+            let due = said.moves.get(path).copied().unwrap_or(0.0);
+            let apart = (by - due).abs();
             let (name, std) = (&source.name, found.std(path));
-            assert!(
-                apart <= APART * std,
-                "{name}: {path} moves by {by:e}, of {std:e}; said: {:?}",
-                said.moves
-            );
+            assert!(apart <= APART * std, "{name}: {path} moves by {by:e} where {due:e} is said, ± {std:e}");
             tested += 1;
         }
     }

@@ -24,8 +24,6 @@ const FINER: i32 = 6;
 const REACH: f64 = 6.0;
 /// Fewest rows of a recording.
 const ROWS: usize = 24;
-/// Place of the duration among the parameters.
-const DURATION: usize = 10;
 
 /// The pass that explains most.
 pub fn proposal(
@@ -37,7 +35,8 @@ pub fn proposal(
     let observed = &fitter.model.observed;
     let mut strongest: Option<(f64, usize, f64, f64)> = None;
     let mut looks = 0.0;
-    let plausible_s = Kind::VehiclePass.parameters()[DURATION].high;
+    let duration = Kind::VehiclePass.parameters().iter().find(|info| info.name == "duration_s");
+    let plausible_s = duration.map_or(f64::INFINITY, |info| info.high);
     for (number, run) in observed.runs.iter().enumerate() {
         let Some(time) = run.time_s else { continue };
         // No vehicle passes what turns in the sunlight above the ground.

@@ -133,21 +133,19 @@ pub fn known_freedom(declared: &[Option<Noise>]) -> f64 {
 
 /// White noise of each kind of channel as a residual shows it.
 pub(super) fn estimate(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Vec<Noise> {
-    let mut sums: BTreeMap<String, (f64, usize)> = BTreeMap::new();
-    let (mut whole, mut readings) = (0.0, 0);
-    for channel in &observed.channels {
+    let kinds = kinds(observed);
+    let mut sums: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
+    for (channel, kind) in observed.channels.iter().zip(&kinds) {
         let sum: f64 = residual[channel.range()].iter().map(|r| r * r).sum();
-        let entry = sums.entry(kind(channel)).or_default();
+        let entry = sums.entry(kind).or_default();
         *entry = (entry.0 + sum, entry.1 + channel.rows.len());
-        (whole, readings) = (whole + sum, readings + channel.rows.len());
     }
-    let alone = sums.values().all(|(_, count)| *count >= ALONE_FROM);
-    let of = |channel: &Channel| {
-        let (sum, count) = if alone { sums[&kind(channel)] } else { (whole, readings) };
+    let of = |(channel, kind): (&Channel, &String)| {
+        let (sum, count) = sums[kind.as_str()];
         let variance = (sum / count as f64).max(least_nt2(document, observed, channel));
         Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() }
     };
-    observed.channels.iter().map(of).collect()
+    observed.channels.iter().zip(&kinds).map(of).collect()
 }
 
 /// The least variance of a channel: that of its codes.
@@ -155,13 +153,20 @@ pub(super) fn least_nt2(document: &Document, observed: &Observed<'_>, channel: &
     (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt())
 }
 
-/// Channels that share their noise.
-pub(super) fn kind(channel: &Channel) -> String {
-    match channel.reader {
-        Reader::Scalar => "scalar".into(),
-        Reader::Magnitude => "magnitude".into(),
+/// Of each channel what it shares its noise with: all that one sensor read, or all channels where a sensor
+/// read too little.
+pub(super) fn kinds(observed: &Observed<'_>) -> Vec<String> {
+    let of = |channel: &Channel| match channel.reader {
+        Reader::Scalar => "scalar".to_string(),
+        Reader::Magnitude => "magnitude".to_string(),
         Reader::Sensor(axis) => axis.to_string(),
+    };
+    let kinds: Vec<String> = observed.channels.iter().map(of).collect();
+    let mut readings: BTreeMap<&str, usize> = BTreeMap::new();
+    for (channel, kind) in observed.channels.iter().zip(&kinds) {
+        *readings.entry(kind).or_default() += channel.rows.len();
     }
+    if readings.values().all(|count| *count >= ALONE_FROM) { kinds } else { vec!["all".into(); kinds.len()] }
 }
 
 #[cfg(test)]

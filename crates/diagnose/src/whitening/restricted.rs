@@ -1,24 +1,23 @@
 //! Noise that nobody declared, as a residual shows it beside what the fit has taken out of it.
 
 use common::{Document, Noise};
-use explain::thinned;
+use explain::{power_law, thinned};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use noise::Whitening;
 use std::collections::BTreeMap;
 
-use super::declared::{kind, least_nt2};
+use super::declared::{kinds, least_nt2};
 use super::whitening;
 use crate::Error;
 use crate::algebra::orthonormal;
 use crate::channel::Channel;
 use crate::observed::Observed;
 
-/// Exponents of flicker noise that are tried, and by how many times (decimal logarithm) it exceeds white noise at the
-/// frequency of twenty steps, in cycles a step.
+/// Exponents of flicker noise that are tried, and the decimal logarithms of its ratio to white noise at a
+/// period of twenty steps.
 const EXPONENTS: [f64; 3] = [1.0, 1.5, 2.0];
 const RATIOS: [f64; 5] = [-1.5, -0.5, 0.5, 1.5, 2.5];
-const AT: f64 = 0.05;
 /// How far beside the likeliest ratio others are tried then, from the first distance to the last.
 const APART: f64 = 1.0;
 const FINEST: f64 = 0.25;
@@ -34,13 +33,13 @@ const SCALINGS: usize = 3;
 /// White noise of one, and flicker noise beside it: exponent and ratio.
 type Law = Option<(f64, f64)>;
 
-/// Noise of each channel, alike in all that one sensor read: white noise and a power law of the greatest restricted
-/// likelihood,
+/// Noise of each channel, alike in all that one sensor read: white noise and a power law of the greatest
+/// restricted likelihood,
 ///
 /// −½ (ln |C| + ln |QᵀC⁻¹Q| + rᵀ(C⁻¹ − C⁻¹Q (QᵀC⁻¹Q)⁻¹ QᵀC⁻¹) r),
 ///
-/// of a residual r (nT, stacked) beside the columns Q that were fitted: a fit takes the slowest noise out of its
-/// residual, whose spectrum by itself is too low there.
+/// of a residual r (nT, stacked) beside the columns Q that were fitted: a fit takes the slowest noise out of
+/// its residual, whose spectrum by itself is too low there.
 ///
 /// Source: H. D. Patterson and R. Thompson, Recovery of inter-block information when block sizes are unequal,
 /// Biometrika 58 (1971) 545–554.
@@ -51,14 +50,16 @@ pub fn restricted(
     residual: &[f64],
 ) -> Result<Vec<Noise>, Error> {
     let basis = orthonormal(&Mat::from_fn(observed.rows, columns.len(), |i, j| columns[j][i]))?;
-    let mut kinds: BTreeMap<String, Kind<'_>> = BTreeMap::new();
-    for channel in &observed.channels {
+    let names = kinds(observed);
+    let mut kinds: BTreeMap<&str, Kind<'_>> = BTreeMap::new();
+    for (channel, name) in observed.channels.iter().zip(&names) {
         let time = observed.times(channel).unwrap_or_default();
         let length = time.last().zip(time.first()).map_or(0.0, |(last, first)| last - first);
-        let own = kinds.entry(kind(channel)).or_insert_with(|| Kind { step_s: 0.0, channels: Vec::new() });
+        let own = kinds.entry(name).or_insert_with(|| Kind { step_s: 0.0, channels: Vec::new() });
         own.step_s = own.step_s.max(length / time.len().max(2) as f64);
         own.channels.push(channel);
     }
+    let places: BTreeMap<&str, usize> = kinds.keys().copied().zip(0..).collect();
     let kinds: Vec<Kind<'_>> = kinds.into_values().collect();
     let products = |number: usize, law: Law| kinds[number].products(observed, (&basis, residual), law);
     let mut chosen = (0..kinds.len()).map(|number| products(number, None)).collect::<Result<Vec<_>, _>>()?;
@@ -78,9 +79,10 @@ pub fn restricted(
         Ok(())
     };
     let grid = || EXPONENTS.iter().flat_map(|exponent| RATIOS.map(|ratio| Some((*exponent, ratio))));
-    let timed = |number: &usize| kinds[*number].step_s > 0.0;
-    for number in (0..SWEEPS).flat_map(|_| 0..kinds.len()).filter(timed) {
-        likeliest(&mut chosen, number, grid().chain([None]).collect())?;
+    for number in (0..SWEEPS).flat_map(|_| 0..kinds.len()) {
+        // Without times there is white noise only.
+        let laws = grid().filter(|_| kinds[number].step_s > 0.0).chain([None]).collect();
+        likeliest(&mut chosen, number, laws)?;
         let mut apart = APART;
         while let Some((exponent, ratio)) = chosen[number].law.filter(|_| apart >= FINEST) {
             let beside = [ratio - apart, ratio + apart].map(|ratio| Some((exponent, ratio)));
@@ -90,17 +92,18 @@ pub fn restricted(
             }
         }
     }
-    let noise = |channel: &Channel| {
-        let number = kinds.iter().position(|own| kind(own.channels[0]) == kind(channel)).unwrap_or(0);
-        let noise = kinds[number].noise(chosen[number].law, chosen[number].scale);
+    let noise = |(channel, name): (&Channel, &String)| {
+        let Products { law, scale, .. } = chosen[places[name.as_str()]];
+        let noise = kinds[places[name.as_str()]].noise(law, scale);
         let white = noise.white_rms_nt.unwrap_or(0.0).max(least_nt2(document, observed, channel).sqrt());
         Noise { white_rms_nt: Some(white), ..noise }
     };
-    Ok(observed.channels.iter().map(noise).collect())
+    Ok(observed.channels.iter().zip(&names).map(noise).collect())
 }
 
+/// Channels that share their noise.
 struct Kind<'c> {
-    /// Mean step of the slowest, s.
+    /// Mean step of the slowest, s; zero without times.
     step_s: f64,
     channels: Vec<&'c Channel>,
 }
@@ -121,7 +124,7 @@ impl Kind<'_> {
     fn noise(&self, law: Law, scale: f64) -> Noise {
         let white = Noise { white_rms_nt: Some(scale.sqrt()), ..Noise::default() };
         let Some((exponent, ratio)) = law else { return white };
-        let at_1hz = 10.0_f64.powf(ratio) * 2.0 * self.step_s * (AT / self.step_s).powf(exponent);
+        let at_1hz = power_law(self.step_s, exponent, 10.0_f64.powf(ratio));
         Noise { flicker_nt2_per_hz_at_1hz: Some(scale * at_1hz), flicker_exponent: Some(exponent), ..white }
     }
 

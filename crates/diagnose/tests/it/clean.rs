@@ -7,8 +7,8 @@ use common::Verdict;
 use diagnose::Options;
 use serde_json::json;
 
-/// FLUXCAL_CAMPAIGNS of them (6), white and with flicker noise up to f^-1.5 in turn, three with their noise declared and
-/// three without, temperatures moving throughout.
+/// FLUXCAL_CAMPAIGNS of them (6), white and with flicker noise up to f^-1.5 in turn, three with their noise
+/// declared and three without, temperatures moving throughout.
 #[test]
 fn clean_recordings_are_not_claimed() {
     let campaigns = testkit::campaigns(6);

@@ -12,9 +12,11 @@ const MOST_HALVINGS: i32 = 30;
 /// A step that gains less than this by the gradient is the last one (square of its length in standard
 /// deviations).
 const LAST: f64 = 1e-10;
-/// Where the iteration gets no farther, so small a gain is good enough: a tenth of a standard deviation. Without
-/// an amplitude its exponent is of no consequence, and the way to an amplitude of zero is a long curved valley.
-const GOOD_ENOUGH: f64 = 1e-2;
+/// Where the iteration gets no farther, so small a gain is good enough: a hundredth of a standard deviation.
+const GOOD_ENOUGH: f64 = 1e-4;
+/// The same beside a bound, which is where twice the cost is 2.7 higher. Without an amplitude its exponent is
+/// of no consequence, and the way to an amplitude of zero is a long curved valley.
+const BOUND_ENOUGH: f64 = 1e-2;
 /// Twice the fall in log likelihood at a one-sided 95 % bound: 1.645².
 const BOUND: f64 = 2.705_543;
 /// Relative accuracy of a bound.
@@ -49,8 +51,17 @@ pub(crate) struct Optimum {
 /// information, within the limits and halved until they lead down.
 pub(crate) fn minimise(
     likelihood: &impl Likelihood,
+    theta: Vec<f64>,
+    held: &[usize],
+) -> Result<Optimum, Error> {
+    minimise_to(likelihood, theta, held, GOOD_ENOUGH)
+}
+
+fn minimise_to(
+    likelihood: &impl Likelihood,
     mut theta: Vec<f64>,
     held: &[usize],
+    good_enough: f64,
 ) -> Result<Optimum, Error> {
     let free: Vec<usize> = (0..theta.len()).filter(|i| !held.contains(i)).collect();
     let mut expected = 0.0;
@@ -76,7 +87,7 @@ pub(crate) fn minimise(
             None => break,
         }
     }
-    if expected < GOOD_ENOUGH {
+    if expected < good_enough {
         return Ok(Optimum { cost: likelihood.cost(&theta), theta });
     }
     Err(Error::NotConverged { iterations: MOST_STEPS, last_shift: expected.sqrt() })
@@ -108,7 +119,7 @@ pub(crate) fn upper(
     let beyond = |at: f64| {
         let mut theta = best.theta.clone();
         theta[i] = at;
-        let fall = minimise(likelihood, theta, &held)?.cost - best.cost;
+        let fall = minimise_to(likelihood, theta, &held, BOUND_ENOUGH)?.cost - best.cost;
         Ok::<_, Error>((2.0 * fall.max(0.0)).sqrt() - BOUND.sqrt())
     };
     // Where the curvature puts it, then doubled until it is enclosed.

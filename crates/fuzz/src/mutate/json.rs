@@ -10,7 +10,7 @@ use crate::kind::FileKind;
 /// A key that no version knows.
 pub const UNKNOWN: &str = "nobody_knows";
 
-/// A change: whether it could be made here.
+/// A change; None where it cannot be made here.
 type Change = fn(&mut Value, &Context<'_>, &mut Draw) -> Option<()>;
 
 /// Changes by how often they are made.

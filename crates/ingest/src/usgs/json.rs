@@ -24,7 +24,8 @@ fn list(value: &Value) -> &[Value] {
     value.as_array().map_or(&[], Vec::as_slice)
 }
 
-/// Reads a file: rows and header into the piece; components by letter, D in minutes of arc, and their values.
+/// Reads rows and header into the piece. Returns the letters of the components and their values, D in minutes
+/// of arc.
 pub fn read(source: &Source, piece: &mut Piece) -> Result<(Vec<char>, Vec<Vec<f64>>), Error> {
     let refused = |found: String, expected: &str| Err(source.fault(Place::Whole, found, expected));
     let object: Value = match serde_json::from_slice(&source.bytes) {

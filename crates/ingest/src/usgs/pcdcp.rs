@@ -30,7 +30,8 @@ fn unit_nt(word: &str) -> Option<f64> {
     word.strip_suffix("nT")?.parse().ok().filter(|unit: &f64| *unit > 0.0)
 }
 
-/// Reads a file: rows and header into the piece; components by letter, D in minutes of arc, and their values.
+/// Reads rows and header into the piece. Returns the letters of the components and their values, D in minutes
+/// of arc.
 pub fn read(source: &Source, piece: &mut Piece) -> Result<(Vec<char>, Vec<Vec<f64>>), Error> {
     let words = header(&source.bytes);
     let number = |word: &str| word.parse::<i64>().ok();

@@ -147,7 +147,10 @@ fn add_gradients<T: Real>(
         for sensor in Axis::ALL.into_iter().filter(|_| gradient != 0.0) {
             let seen = seen_by_row(basic, context, (coil, &g), sensor, &places[sensor.index()]);
             for (row, value) in signal.iter_mut().enumerate() {
-                value[sensor.index()] += seen(row) * (gradient * context.current_a[row][coil.index()]);
+                let strength = gradient * context.current_a[row][coil.index()];
+                if strength != 0.0 {
+                    value[sensor.index()] += seen(row) * strength;
+                }
             }
         }
     }

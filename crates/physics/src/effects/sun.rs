@@ -18,7 +18,7 @@ fn sun<'a>(context: &Context<'a>, who: &str) -> Result<impl Fn(usize) -> (f64, [
     })
 }
 
-/// Adds to each component of a field its coefficients times what there is of each.
+/// Adds Σ_n c_n seen_n to each component of a field; each component has N coefficients of its own.
 fn add<T: Real, const N: usize>(parameters: &[T], seen: [f64; N], field: &mut Vector3<T>) {
     for (component, coefficients) in field.iter_mut().zip(parameters.chunks_exact(N)) {
         coefficients.iter().zip(seen).for_each(|(coefficient, seen)| *component += *coefficient * seen);

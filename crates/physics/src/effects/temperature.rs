@@ -23,7 +23,8 @@ pub(super) fn add<T: Real>(
     }
 }
 
-/// What a thermometer reads above its reference, through a first-order lag in equilibrium at the first row, K.
+/// What a thermometer reads above its reference, through a first-order lag in equilibrium at the first row,
+/// K.
 pub(super) fn late_warmth<T: Real>(
     context: &Context<'_>,
     which: Thermometer,
@@ -128,7 +129,8 @@ follows! {
 }
 
 follows! {
-    /// ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row; nT along the sensor.
+    /// ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row; nT along the
+    /// sensor.
     OffsetTemperatureLag = "offset_temperature_lag",
     Offset of Sensor late, [OFFSET, LAG], needs ["time_s"],
     title: "offset follows sensor temperature with a lag",
@@ -169,7 +171,8 @@ follows! {
 }
 
 follows! {
-    /// ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_E − T_lag, in equilibrium at the first row; nT along the sensor.
+    /// ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_E − T_lag, in equilibrium at the first row; nT along the
+    /// sensor.
     OffsetElectronicsTemperatureLag = "offset_electronics_temperature_lag",
     Offset of Electronics late, [OFFSET, LAG], needs ["time_s"],
     title: "offset follows electronics temperature with a lag",

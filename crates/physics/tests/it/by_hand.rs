@@ -44,7 +44,7 @@ fn effect(text: &str) -> AdoptedEffect {
     serde_json::from_value(effect).expect("an effect")
 }
 
-/// What the first recording of a document is predicted to be, and what the chain makes of readings.
+/// What a document's model predicts for its first recording.
 fn predict(document: &Document) -> Prediction {
     let effects = physics::adopt(document).expect("an effect");
     let context =

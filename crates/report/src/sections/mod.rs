@@ -1,4 +1,4 @@
-//! The sections of the page, one file for each part of a document.
+//! The sections of the page; `PARTS` has the function of each.
 
 mod answer;
 mod axes;

@@ -44,3 +44,8 @@ fn same(name: &str, found: &str) {
     let first = found.lines().zip(expected.lines()).find(|(a, b)| a != b);
     assert!(found == expected, "{}: differs first at {first:?}", path.display());
 }
+
+#[test]
+fn each_fault_has_its_message() {
+    assert!(testkit::faults("bad/report", env!("CARGO_BIN_EXE_report")) >= 4);
+}

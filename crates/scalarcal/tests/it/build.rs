@@ -246,8 +246,9 @@ pub fn directions(calibration: &Calibration) -> [Vector3<f64>; 3] {
     [0, 1, 2].map(|k| Vector3::from_fn(|row, _| matrix[row][k]).normalize())
 }
 
-/// That intervals of 95 % hold as often as a band says in as many campaigns as are usual, by the error and the
-/// standard uncertainty of each parameter in each campaign, which `of` a seed gives.
+/// Runs so many campaigns as are usual (FLUXCAL_CAMPAIGNS sets another number) and checks that intervals of
+/// 95 % hold as often as a band says. `of` a seed gives error and standard uncertainty of each parameter; all
+/// are returned.
 pub fn intervals_hold(
     name: &str,
     parameters: &[&str],

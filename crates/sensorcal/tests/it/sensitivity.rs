@@ -168,3 +168,24 @@ fn an_effect_that_was_stated_is_not_there_twice() {
     assert_eq!(effects.len(), 1);
     assert!((effects[0].parameters["departure_nt"].value() - 2.0).abs() < 0.2);
 }
+
+#[test]
+fn a_sensor_against_its_coil_reads_the_opposite() {
+    let mut document = with(vec![sensitivity(9, &sweep(50_000.0, 41), 0.2, |b| b - 3.0)]);
+    let constants = |document: &serde_json::Value| {
+        let found = sensor(document);
+        (
+            found.sensitivity_nt_per_v.expect("a sensitivity").value(),
+            found.offset_nt.expect("an offset").value(),
+        )
+    };
+    let (k, offset) = constants(&document);
+    assert!((k - K).abs() < 0.05 && (offset - 3.0).abs() < 0.2, "{k} {offset}");
+    document["recordings"][0]["conditions"]["orientation"] = json!([[-1, 0, 0], [0, -1, 0], [0, 0, 1]]);
+    change(&mut document["recordings"][0], "coil_x_a", |_, current| -current);
+    let (turned_k, turned_offset) = constants(&document);
+    assert!(
+        (k - turned_k).abs() < 1e-8 * K && (offset - turned_offset).abs() < 1e-8,
+        "{turned_k} {turned_offset}"
+    );
+}

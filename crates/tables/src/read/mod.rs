@@ -26,9 +26,9 @@ impl Reader {
     ///
     /// # Errors
     ///
-    /// [`Error::File`] where it cannot be read, [`Error::Request`] where it does not begin as a table or lacks a
-    /// wanted column, where nothing is wanted, or something twice, or the format is not known. The rest of the
-    /// file is judged when its batch is due.
+    /// [`Error::File`] where it cannot be read, [`Error::Request`] where it does not begin as a table or
+    /// lacks a wanted column, where nothing is wanted, or something twice, or the format is not known. The
+    /// rest of the file is judged when its batch is due.
     pub fn open(path: &Path, wanted: Option<&[&str]>) -> Result<Self, Error> {
         Self::open_as(path, Format::of(path)?, wanted)
     }

@@ -106,11 +106,12 @@ impl Iterator for Batches {
 
     fn next(&mut self) -> Option<Self::Item> {
         while let Ok(parsed) = self.parsed.recv() {
-            let stopped =
-                || Err(Error::Request(format!("{}: a thread that parsed it has stopped", self.source_name)));
-            let batch = match parsed.recv().unwrap_or_else(|_| stopped()) {
-                Ok(parsed) => self.batch(parsed),
-                Err(error) => Err(self.first_fault(error)),
+            let batch = match parsed.recv() {
+                Ok(Ok(parsed)) => self.batch(parsed),
+                Ok(Err(error)) => Err(self.first_fault(error)),
+                Err(_) => {
+                    Err(Error::Request(format!("{}: a thread that parsed it has stopped", self.source_name)))
+                }
             };
             if batch.as_ref().map_or(true, |batch| batch.rows() > 0) {
                 return Some(batch);

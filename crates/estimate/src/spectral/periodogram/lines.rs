@@ -49,8 +49,8 @@ pub struct Line {
     pub p_value: f64,
 }
 
-/// Takes the lines out of a transform X_k, k = 0 … below n/2, of `n` samples; and the ordinates that belong to
-/// them.
+/// Takes the lines out of a transform X_k, k = 0 … below n/2, of `n` samples. Returns them, and for each
+/// ordinate whether it belongs to one.
 pub(super) fn take_out(transform: &mut [Complex<f64>], n: usize, length_s: f64) -> (Vec<Line>, Vec<bool>) {
     let mut power: Vec<f64> = transform.iter().map(Complex::norm_sqr).collect();
     let mut left_out = vec![false; power.len()];
