@@ -39,24 +39,21 @@ def replayed(document: dict[str, Any], programs: Path, place: Path, timeout: flo
 def one(folder: Path, name: str, programs: Path, timeout: float) -> tuple[str, float]:
     path = folder / "documents" / f"{name}.json"
     given = json.loads(path.read_text())
-    document, seconds, why = run([str(programs / "diagnose"), "-q", str(path)], timeout)
+    # What `--empirical` adopts has no name: it changes no verdict and no claim.
+    document, seconds, why = run([str(programs / "diagnose"), "-q", "--empirical", "--refit", str(path)], timeout)
     answer: dict[str, Any] = {"seconds": seconds, "why_not": why, "entry": None}
-    place, predictions = folder / "answers" / f"{name}.work.json", {}
+    predicted = None
     if document:
         answer["entry"] = {k: v for k, v in document["diagnosis"][0].items() if k not in LEFT_OUT}
         # Only of a campaign in coils can readings be predicted.
         if "axes" in given.get("calibration", {}):
-            predictions["diagnose"] = replayed(document, programs, place, timeout)
-            if answer["entry"]["verdict"] == "explained":
-                predictions["empirical"] = predictions["diagnose"]
-            elif answer["entry"]["verdict"] != "agrees":
-                more, answer["empirical_seconds"], _ = run([str(programs / "diagnose"), "-q", "--empirical", "--refit", str(path)], timeout)
-                predictions["empirical"] = replayed(more, programs, place, timeout) if more else None
+            predicted = replayed(document, programs, folder / "answers" / f"{name}.work.json", timeout)
     if given["recordings"][0]["procedure"] == "differential":
         document, answer["diffmag_seconds"], answer["diffmag_why_not"] = run([str(programs / "diffmag"), "-q", "--correct-clock", str(path)], timeout)
         answer["diffmag"] = document["calibration"]["differential"]["fit"] if document else None
     answer["rivals"] = rivals.all_of(given)
-    np.savez_compressed(folder / "answers" / f"{name}.npz", **{k: v for k, v in predictions.items() if v is not None})
+    if predicted is not None:
+        np.save(folder / "answers" / f"{name}.npy", predicted)
     (folder / "answers" / f"{name}.json").write_text(json.dumps(answer))
     return name, seconds
 

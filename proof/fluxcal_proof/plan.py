@@ -13,8 +13,8 @@ SORTS = {"p": "pair", "S": "single", "V": "several", "C": "clean", "U": "unnamed
 # What acts in ten pairs: one thing, nothing, several, or something without a name.
 TURNS = ("single", "single", "clean", "single", "several", "single", "single", "unnamed", "clean", "single")
 STRENGTHS = (1.0, 3.0, 0.3, 10.0, 100.0)
-# One of sixteen pairs, twenty of a thousand cases, is a day of seconds; of the others so many have so many rows.
-DAY_EVERY, DAY_ROWS = 16, 86_400
+# One of twelve pairs, twenty of a round, is a day of seconds; of the others so many have so many rows.
+DAY_EVERY, DAY_ROWS = 12, 86_400
 LENGTHS = ((0.86, 500, 1000), (0.11, 1000, 4000), (0.02, 4000, 12_000), (0.01, 12_000, 30_000))
 
 

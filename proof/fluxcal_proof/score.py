@@ -67,16 +67,13 @@ def leave_to_hosts(outcomes: list[Outcome]) -> None:
 
 
 def forms(outcome: Outcome, folder: Path) -> None:
-    """How far predictions of new readings are off, rms: the answer's over the fitted truth's, what `--empirical` adopts over the basic model's."""
-    truth, expected = outcome.truth, np.load(folder / "truths" / f"{outcome.name}.npy")
-    with np.load(folder / "answers" / f"{outcome.name}.npz") as predicted:
-        for key in predicted.files if len(expected) else ():
-            off, left_nt = np.nanmean((predicted[key] - expected) ** 2), truth["taken_nt" if key == "diagnose" else "before_nt"]
-            ratio = float(np.sqrt((truth["noise_nt"] ** 2 + off) / (truth["noise_nt"] ** 2 + left_nt**2)))
-            if key == "diagnose":
-                outcome.form = ratio
-            else:
-                outcome.empirical = ratio
+    """How far predictions of new readings are off, rms: over the fitted truth's, and over the basic model's."""
+    truth, expected, place = outcome.truth, np.load(folder / "truths" / f"{outcome.name}.npy"), folder / "answers" / f"{outcome.name}.npy"
+    if not len(expected) or not place.exists():
+        return
+    off = truth["noise_nt"] ** 2 + np.nanmean((np.load(place) - expected) ** 2)
+    over = lambda left_nt: float(np.sqrt(off / (truth["noise_nt"] ** 2 + left_nt**2)))
+    outcome.form, outcome.empirical = over(truth["taken_nt"]), over(truth["before_nt"])
 
 
 def count(of: Iterable[Outcome], hit: Callable[[Outcome], bool]) -> tuple[int, int]:

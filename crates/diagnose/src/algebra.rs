@@ -54,7 +54,7 @@ fn root_of_inverse(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
             count,
             |i, j| if scale[j] > 0.0 { columns[(i, j)] * scale[j] } else { 0.0 },
         );
-    let gram = scaled.transpose() * &scaled;
+    let gram = estimate::gram(scaled.as_ref());
     let failed = |reason: String| estimate::Error::Decomposition { rows: count, columns: count, reason };
     let eigen = gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
     let values: Vec<f64> = (0..count).map(|k| eigen.S().column_vector()[k]).collect();

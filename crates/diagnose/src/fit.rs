@@ -88,11 +88,12 @@ impl Fitter<'_, '_> {
         columns.extend(others.iter().map(Vec::as_slice));
         let known = self.model.known(state);
         let rows = self.model.observed.rows;
-        Ok(Mat::from_fn(rows + known.len(), columns.len(), |i, j| match i.checked_sub(rows) {
-            None => columns[j][i],
-            Some(prior) if known[prior].0 == j => 1.0 / known[prior].2,
-            Some(_) => 0.0,
-        }))
+        let mut jacobian = Mat::zeros(rows + known.len(), columns.len());
+        for (j, column) in columns.iter().enumerate() {
+            jacobian.col_as_slice_mut(j)[..rows].copy_from_slice(column);
+        }
+        known.iter().enumerate().for_each(|(prior, (j, _, std))| jacobian[(rows + prior, *j)] = 1.0 / std);
+        Ok(jacobian)
     }
 
     /// A whitened series as if the noise were white, nT.
@@ -192,20 +193,21 @@ impl Fitter<'_, '_> {
     /// Products of whitened derivatives, further whitened columns, which prior knowledge does not touch, and
     /// residual: by blocks of rows on all threads, without a copy of the whole.
     pub fn products(&self, jacobian: &Mat<f64>, more: &[Vec<f64>], white: &[f64]) -> Products {
-        let base = jacobian.ncols();
-        let width = base + more.len();
-        let value = |i: usize, j: usize| match j.checked_sub(base) {
-            None => jacobian[(i, j)],
-            Some(column) if column < more.len() => more[column].get(i).copied().unwrap_or(0.0),
-            Some(_) => white[i],
-        };
+        let width = jacobian.ncols() + more.len();
+        let all = columns(jacobian).chain(more.iter().map(Vec::as_slice)).chain([white]);
+        let all: Vec<&[f64]> = all.collect();
         let blocks: Vec<Products> = (0..white.len())
             .into_par_iter()
             .step_by(BLOCK)
             .map(|from| {
-                let rows = BLOCK.min(white.len() - from);
+                let to = white.len().min(from + BLOCK);
+                let mut part = Mat::zeros(to - from, width + 1);
+                for (j, column) in all.iter().enumerate() {
+                    let there = &column[from.min(column.len())..to.min(column.len())];
+                    part.col_as_slice_mut(j)[..there.len()].copy_from_slice(there);
+                }
                 let mut products = Products::of(width);
-                products.push(Mat::from_fn(rows, width + 1, |i, j| value(from + i, j)).as_ref());
+                products.push(part.as_ref());
                 products
             })
             .collect();

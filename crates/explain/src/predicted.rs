@@ -1,13 +1,11 @@
 //! What a fit and its noise predict of readings that are left out: ten contiguous blocks, each from the others.
 
 use estimate::Error;
-use faer::Mat;
 use rayon::prelude::*;
 
 use crate::amplitude::Fitted;
 use crate::fit::Fit;
 use crate::problem::Problem;
-use crate::products::inner;
 
 /// Blocks of rows that are left out in turn.
 pub const BLOCKS: usize = 10;
@@ -63,7 +61,7 @@ fn missed(
     let centred: Vec<f64> = others(y).iter().map(|value| value - mean).collect();
     let own: Vec<Vec<f64>> = columns.iter().map(|column| others(column)).chain([centred]).collect();
     let products = |columns: &[Vec<f64>]| {
-        let mut gram = inner(columns);
+        let mut gram = estimate::gram_of(columns);
         known.iter().enumerate().for_each(|(column, known)| gram[(column, column)] += known);
         gram
     };
@@ -71,18 +69,24 @@ fn missed(
     let mut white = own;
     filter.whiten_all(&mut white);
     let under_noise = products(&white);
-    let missed = |gram: &Mat<f64>, set: &[usize]| {
-        let fit = Fit::of(gram, columns.len(), set);
-        let likely = if filter.is_white() {
-            vec![0.0; to - from]
-        } else {
-            let v = filter.whiten_transposed(&fit.rest(&white, &white[columns.len()]));
-            filter.most_likely(&times, &v, &problem.time_s[from..to])
-        };
+    // Each set under the noise, then by plain least squares.
+    let grams = [&under_noise, &plain];
+    let fits: Vec<Fit> =
+        sets.iter().flat_map(|set| grams.map(|gram| Fit::of(gram, columns.len(), set))).collect();
+    let likely = if filter.is_white() {
+        vec![vec![0.0; to - from]; fits.len()]
+    } else {
+        let mut rests: Vec<Vec<f64>> =
+            fits.iter().map(|fit| fit.rest(&white, &white[columns.len()])).collect();
+        filter.whiten_transposed_all(&mut rests);
+        filter.most_likely(&times, &rests, &problem.time_s[from..to])
+    };
+    let missed = |(fit, likely): (&Fit, Vec<f64>)| -> f64 {
         let named = |row: usize| -> f64 {
             fit.columns.iter().zip(&fit.coefficients).map(|(column, size)| size * columns[*column][row]).sum()
         };
-        (from..to).map(|row| (y[row] - mean - named(row) - likely[row - from]).powi(2)).sum()
+        (from..to).zip(likely).map(|(row, likely)| (y[row] - mean - named(row) - likely).powi(2)).sum()
     };
-    Ok(sets.iter().map(|set| [missed(&under_noise, set), missed(&plain, set)]).collect())
+    let squares: Vec<f64> = fits.iter().zip(likely).map(missed).collect();
+    Ok(squares.as_chunks().0.to_vec())
 }

@@ -1,15 +1,11 @@
 //! Products of columns under each form of noise: from here on nothing depends on the number of rows.
 
-use estimate::Error;
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, Par};
+use estimate::{Error, gram_of};
+use faer::Mat;
 use rayon::prelude::*;
 
 use crate::noises::Form;
 use crate::stack::Stack;
-
-/// Rows of which products are gathered at a time.
-const ROWS: usize = 1024;
 
 /// Products of whitened columns, and the determinant of the covariance.
 #[derive(Clone, Debug)]
@@ -40,7 +36,7 @@ pub fn product(time_s: &[f64], stack: &Stack, among: &[usize], noise: &Form) -> 
     let filter = noise.whitening(time_s)?;
     let mut white: Vec<Vec<f64>> = among.iter().map(|column| stack.columns[*column].clone()).collect();
     filter.whiten_all(&mut white);
-    let own = inner(&white);
+    let own = gram_of(&white);
     let mut gram = Mat::zeros(stack.columns.len(), stack.columns.len());
     for (i, row) in among.iter().enumerate() {
         among.iter().enumerate().for_each(|(j, column)| gram[(*row, *column)] = own[(i, j)]);
@@ -49,15 +45,4 @@ pub fn product(time_s: &[f64], stack: &Stack, among: &[usize], noise: &Form) -> 
         gram[(*column, *column)] += known;
     }
     Ok(Product { gram, log_determinant: filter.log_determinant(), log_prior: noise.prior(time_s.len()) })
-}
-
-/// Products of columns with each other, gathered over blocks of rows.
-pub fn inner(columns: &[Vec<f64>]) -> Mat<f64> {
-    let (rows, count) = (columns.first().map_or(0, Vec::len), columns.len());
-    let mut products = Mat::zeros(count, count);
-    for from in (0..rows).step_by(ROWS) {
-        let part = Mat::from_fn(ROWS.min(rows - from), count, |row, column| columns[column][from + row]);
-        matmul(products.as_mut(), Accum::Add, part.transpose(), part.as_ref(), 1.0, Par::Seq);
-    }
-    products
 }

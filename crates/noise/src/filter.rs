@@ -5,7 +5,7 @@ pub const LANES: usize = 8;
 /// Steps within this part of the typical one count as equal to it.
 pub const EVEN: f64 = 1e-3;
 /// Gains that change by less than this part of the largest from row to row are steady.
-const STEADY: f64 = 1e-13;
+const STEADY: f64 = 1e-11;
 
 /// What one row does to the state: x ← φ x + g e of each process, e the innovation, which has the standard
 /// deviation 1/`inverse`.

@@ -257,9 +257,20 @@ impl Whitening {
     /// L⁻ᵀ of a series: of what was whitened, C⁻¹ y, in which a departure of a single row stands out. One pass
     /// from the last row to the first. Without what is known of the mean.
     pub fn whiten_transposed(&self, series: &[f64]) -> Vec<f64> {
-        assert_eq!(series.len(), self.rows, "rows of a column");
+        let mut column = series.to_vec();
+        self.whiten_transposed_all(&mut [&mut column]);
+        column
+    }
+
+    /// The same of each column in place, all by the same gains.
+    pub fn whiten_transposed_all<C: AsMut<[f64]>>(&self, columns: &mut [C]) {
+        for column in columns.iter_mut() {
+            assert_eq!(column.as_mut().len(), self.rows, "rows of a column");
+        }
         if self.is_white() {
-            return series.iter().map(|value| value / self.white.sqrt()).collect();
+            let deviation = self.white.sqrt();
+            columns.iter_mut().flat_map(|column| column.as_mut()).for_each(|value| *value /= deviation);
+            return;
         }
         let computed;
         let gains = match self.gains() {
@@ -269,52 +280,70 @@ impl Whitening {
                 &computed
             }
         };
-        let mut states = vec![0.0; self.filter().states()];
-        let mut all = vec![0.0; self.rows];
-        for row in (0..self.rows).rev() {
-            let gain = gains[row / ROWS].of(row % ROWS);
-            let along: f64 = states.iter().zip(&gain.processes).map(|(state, (_, gain))| state * gain).sum();
-            let innovation = gain.inverse * series[row] + along;
-            all[row] = innovation;
-            for (state, (kept, _)) in states.iter_mut().zip(&gain.processes) {
-                *state = kept * *state - innovation;
+        for group in columns.chunks_mut(LANES) {
+            let mut states = vec![[0.0; LANES]; self.filter().states()];
+            for row in (0..self.rows).rev() {
+                let gain = gains[row / ROWS].of(row % ROWS);
+                let mut innovations = [0.0; LANES];
+                for (state, (_, gain)) in states.iter().zip(&gain.processes) {
+                    innovations = std::array::from_fn(|lane| innovations[lane] + state[lane] * gain);
+                }
+                for (innovation, column) in innovations.iter_mut().zip(group.iter_mut()) {
+                    *innovation += gain.inverse * column.as_mut()[row];
+                    column.as_mut()[row] = *innovation;
+                }
+                for (state, (kept, _)) in states.iter_mut().zip(&gain.processes) {
+                    *state = std::array::from_fn(|lane| kept * state[lane] - innovations[lane]);
+                }
             }
         }
-        all
     }
 
-    /// Σ_j C(s, t_j) v_j of a series v at this noise's times t, at others s: with v = C⁻¹ y the most likely noise
+    /// Σ_j C(s, t_j) v_j of each series v at this noise's times t, at others s: with v = C⁻¹ y the most likely noise
     /// there. White noise tells nothing of other times. Both in order.
-    pub fn most_likely(&self, time_s: &[f64], v: &[f64], at_s: &[f64]) -> Vec<f64> {
-        let mut all = vec![0.0; at_s.len()];
+    pub fn most_likely(&self, time_s: &[f64], all_v: &[Vec<f64>], at_s: &[f64]) -> Vec<Vec<f64>> {
+        all_v.chunks(LANES).flat_map(|some| self.most_likely_of_some(time_s, some, at_s)).collect()
+    }
+
+    fn most_likely_of_some(&self, time_s: &[f64], some: &[Vec<f64>], at_s: &[f64]) -> Vec<Vec<f64>> {
+        let rows = time_s.len();
+        let of_row = |row: usize| -> [f64; LANES] {
+            std::array::from_fn(|lane| some.get(lane).map_or(0.0, |v| v[row]))
+        };
+        let mut all = vec![vec![0.0; at_s.len()]; some.len()];
+        let mut add = |at: usize, values: [f64; LANES]| {
+            all.iter_mut().zip(values).for_each(|(own, value)| own[at] += value);
+        };
         // Readings up to each time, from the first on; then those after it, from the last on.
         let (mut sums, mut next) = (Sums::of(&self.processes), 0);
-        for (all, at) in all.iter_mut().zip(at_s) {
-            while next < v.len() && time_s[next] <= *at {
-                sums.add(time_s[next], v[next]);
+        for (place, at) in at_s.iter().enumerate() {
+            while next < rows && time_s[next] <= *at {
+                sums.add(time_s[next], of_row(next));
                 next += 1;
             }
-            *all += sums.at(*at);
+            add(place, sums.at(*at));
         }
-        let (mut sums, mut left) = (Sums::of(&self.processes), v.len());
-        for (all, at) in all.iter_mut().zip(at_s).rev() {
+        let (mut sums, mut left) = (Sums::of(&self.processes), rows);
+        for (place, at) in at_s.iter().enumerate().rev() {
             while left > 0 && time_s[left - 1] > *at {
                 left -= 1;
-                sums.add(-time_s[left], v[left]);
+                sums.add(-time_s[left], of_row(left));
             }
-            *all += sums.at(-at);
+            add(place, sums.at(-at));
         }
         if self.walk > 0.0 {
             // r² Σ_j v_j min(s, t_j), times from the first row on.
             let first = time_s.first().copied().unwrap_or(0.0);
-            let (mut before, mut after, mut next) = (0.0, v.iter().sum::<f64>(), 0);
-            for (all, at) in all.iter_mut().zip(at_s) {
-                while next < v.len() && time_s[next] <= *at {
-                    before += v[next] * (time_s[next] - first);
-                    after -= v[next];
-                    next += 1;
+            for (own, v) in all.iter_mut().zip(some) {
+                let (mut before, mut after, mut next) = (0.0, v.iter().sum::<f64>(), 0);
+                for (own, at) in own.iter_mut().zip(at_s) {
+                    while next < rows && time_s[next] <= *at {
+                        before += v[next] * (time_s[next] - first);
+                        after -= v[next];
+                        next += 1;
+                    }
+                    *own += self.walk * (before + after * (at - first).max(0.0));
                 }
-                *all += self.walk * (before + after * (at - first).max(0.0));
             }
         }
         all

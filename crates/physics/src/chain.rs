@@ -2,7 +2,7 @@
 
 use crate::lanes::{Dual, LANES, slope, unit};
 use common::Axis;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
@@ -32,8 +32,14 @@ pub fn predict(
     effects: &[EffectInstance],
     context: &Context<'_>,
 ) -> Result<Prediction, Error> {
-    let values: Vec<&[f64]> = effects.iter().map(|effect| effect.parameters.as_slice()).collect();
-    run(basic, effects, &values, context)
+    let chain = Chain { basic, effects, values: &own_values(effects), context };
+    let fields = chain.fields()?;
+    let readings = chain.read(&fields.sen, &fields.coil)?;
+    Ok(Prediction { field_geo: fields.geo, field_sen: fields.sen, readings })
+}
+
+fn own_values(effects: &[EffectInstance]) -> Vec<&[f64]> {
+    effects.iter().map(|effect| effect.parameters.as_slice()).collect()
 }
 
 /// An effect that cannot act in a recording, for want of something that was not recorded.
@@ -75,41 +81,68 @@ pub fn predict_with_jacobian(
     context: &Context<'_>,
     parameters: &[Parameter],
 ) -> Result<(Prediction, Vec<Prediction>), Error> {
-    let prediction = predict(basic, effects, context)?;
-    let derivatives: Vec<Vec<Prediction>> = parameters
-        .par_chunks(LANES)
-        .map(|parameters| {
-            let mut lifted: Basic<Dual> = basic.lift();
-            let mut values: Vec<Vec<Dual>> = effects
-                .iter()
-                .map(|effect| effect.parameters.iter().map(|value| Dual::from(*value)).collect())
-                .collect();
-            let directions: Vec<Direction> = parameters.iter().map(|one| vec![(*one, 1.0)]).collect();
-            seed(basic, &mut lifted, &mut values, &directions);
-            let values: Vec<&[Dual]> = values.iter().map(Vec::as_slice).collect();
-            let lifted = run(&lifted, effects, &values, context)?;
-            let of = |series: &[Vector3<Dual>], lane: usize| {
-                series.iter().map(|v| v.map(|value| slope(&value, lane))).collect()
-            };
-            let prediction = |lane: usize| Prediction {
-                field_geo: of(&lifted.field_geo, lane),
-                field_sen: of(&lifted.field_sen, lane),
-                readings: of(&lifted.readings, lane),
-            };
-            Ok((0..parameters.len()).map(prediction).collect())
-        })
-        .collect::<Result<_, Error>>()?;
+    let chain = Chain { basic, effects, values: &own_values(effects), context };
+    let fields = chain.fields()?;
+    let derivatives: Vec<Vec<Prediction>> = match parameters.len() {
+        0 => Vec::new(),
+        1 => vec![slopes::<1>(&chain, &fields, parameters)?],
+        2..=3 => vec![slopes::<3>(&chain, &fields, parameters)?],
+        _ => parameters
+            .par_chunks(LANES)
+            .map(|parameters| slopes::<LANES>(&chain, &fields, parameters))
+            .collect::<Result<_, Error>>()?,
+    };
+    let readings = chain.read(&fields.sen, &fields.coil)?;
+    let prediction = Prediction { field_geo: fields.geo, field_sen: fields.sen, readings };
     Ok((prediction, derivatives.into_iter().flatten().collect()))
+}
+
+/// The derivatives by at most `N` parameters.
+fn slopes<const N: usize>(
+    chain: &Chain<'_, f64>,
+    fields: &Fields<f64>,
+    parameters: &[Parameter],
+) -> Result<Vec<Prediction>, Error> {
+    let Chain { basic, effects, context, .. } = *chain;
+    let mut lifted: Basic<Dual<N>> = basic.lift();
+    let mut values: Vec<Vec<Dual<N>>> = effects
+        .iter()
+        .map(|effect| effect.parameters.iter().map(|value| Dual::from(*value)).collect())
+        .collect();
+    let directions: Vec<Direction> = parameters.iter().map(|one| vec![(*one, 1.0)]).collect();
+    seed(basic, &mut lifted, &mut values, &directions);
+    let values: Vec<&[Dual<N>]> = values.iter().map(Vec::as_slice).collect();
+    let chain = Chain { basic: &lifted, effects, values: &values, context };
+    // What acts behind the field leaves it as it is.
+    let behind = parameters.iter().all(|parameter| match parameter {
+        Parameter::Effect(effect, _) => effects[*effect].kind.about().stage >= Stage::Block,
+        Parameter::SensorTurn(..) | Parameter::Sensitivity(_) | Parameter::SensorOffset(_) => true,
+        Parameter::CoilConstant(_) | Parameter::CoilOffset(_) | Parameter::CoilTurn(..) => false,
+    });
+    let fields = if behind { fields.lift() } else { chain.fields()? };
+    let readings = chain.read(&fields.sen, &fields.coil)?;
+    let of = |series: &[Vector3<Dual<N>>], lane: usize| {
+        series.iter().map(|v| v.map(|value| slope(&value, lane))).collect()
+    };
+    let of_field = |series: &[Vector3<Dual<N>>], lane: usize| {
+        if behind { vec![Vector3::zeros(); series.len()] } else { of(series, lane) }
+    };
+    let prediction = |lane: usize| Prediction {
+        field_geo: of_field(&fields.geo, lane),
+        field_sen: of_field(&fields.sen, lane),
+        readings: of(&readings, lane),
+    };
+    Ok((0..parameters.len()).map(prediction).collect())
 }
 
 /// Parameters that move together, each by how much.
 pub type Direction = Vec<(Parameter, f64)>;
 
-/// Carries the derivatives along at most [`LANES`] directions, each in a lane of its own.
-pub(crate) fn seed(
+/// Carries the derivatives along at most `N` directions, each in a lane of its own.
+pub(crate) fn seed<const N: usize>(
     basic: &Basic,
-    lifted: &mut Basic<Dual>,
-    values: &mut [Vec<Dual>],
+    lifted: &mut Basic<Dual<N>>,
+    values: &mut [Vec<Dual<N>>],
     directions: &[Direction],
 ) {
     let each = directions.iter().enumerate().flat_map(|(lane, direction)| {
@@ -136,42 +169,25 @@ pub(crate) fn seed(
     }
 }
 
-fn run<T: Real>(
-    basic: &Basic<T>,
-    effects: &[EffectInstance],
-    values: &[&[T]],
-    context: &Context<'_>,
-) -> Result<Prediction<T>, Error> {
-    let chain = Chain { basic, effects, values, context };
-    if let Some(reference) = &context.reference_nt {
-        // What comes from the surroundings comes to the test instrument; the reference is as it was read.
-        let mut field: Vec<Vector3<T>> = reference.iter().map(|field| field.map(T::from)).collect();
-        chain.apply(Stage::Geo, &mut field, &[], &[])?;
-        let readings = chain.read(&field, &[])?;
-        return Ok(Prediction { field_geo: field.clone(), field_sen: field, readings });
+/// The field of a recording: of each coil along its axis, in GEO and in SEN.
+struct Fields<T: Real> {
+    coil: Vec<Vector3<T>>,
+    geo: Vec<Vector3<T>>,
+    sen: Vec<Vector3<T>>,
+}
+
+impl Fields<f64> {
+    /// As numbers that carry no derivative.
+    fn lift<T: Real>(&self) -> Fields<T> {
+        let [coil, geo, sen] = [&self.coil, &self.geo, &self.sen]
+            .map(|series| series.iter().map(|field| field.map(T::from)).collect());
+        Fields { coil, geo, sen }
     }
-    let mut coil: Vec<Vector3<T>> = context
-        .current_a
-        .iter()
-        .map(|current| Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current[c]))
-        .collect();
-    chain.apply(Stage::Coil, &mut coil, &[], &[])?;
-    let offsets =
-        Vector3::from_fn(|c, _| if context.in_coils { basic.coils[c].offset_nt } else { T::from(0.0) });
-    let mut geo: Vec<Vector3<T>> = coil
-        .iter()
-        .enumerate()
-        .map(|(row, coil)| field_geo(&basic.eta, &(coil + offsets), &context.ambient(row).map(T::from)))
-        .collect();
-    chain.apply(Stage::Geo, &mut geo, &coil, &[])?;
-    let field: Vec<Vector3<T>> = if context.attitude.is_empty() {
-        let rotation = context.orientation.rotation.map(T::from);
-        geo.iter().map(|field| rotation * field).collect()
-    } else {
-        geo.iter().enumerate().map(|(row, field)| context.rotation(row).map(T::from) * field).collect()
-    };
-    let readings = chain.read(&field, &coil)?;
-    Ok(Prediction { field_geo: geo, field_sen: field, readings })
+}
+
+/// A known matrix times a vector.
+fn turned<T: Real>(matrix: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
+    Vector3::from_fn(|i, _| v[0] * matrix[(i, 0)] + v[1] * matrix[(i, 1)] + v[2] * matrix[(i, 2)])
 }
 
 /// The chain of one recording with the values of its parameters.
@@ -183,6 +199,35 @@ pub(crate) struct Chain<'a, T: Real> {
 }
 
 impl<T: Real> Chain<'_, T> {
+    /// The first half of the chain: from the currents to the field in SEN.
+    fn fields(&self) -> Result<Fields<T>, Error> {
+        let Self { basic, context, .. } = *self;
+        if let Some(reference) = &context.reference_nt {
+            // What comes from the surroundings comes to the test instrument; the reference is as it was read.
+            let mut field: Vec<Vector3<T>> = reference.iter().map(|field| field.map(T::from)).collect();
+            self.apply(Stage::Geo, &mut field, &[], &[])?;
+            return Ok(Fields { coil: Vec::new(), geo: field.clone(), sen: field });
+        }
+        let mut coil: Vec<Vector3<T>> = context
+            .current_a
+            .iter()
+            .map(|current| Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a * current[c]))
+            .collect();
+        self.apply(Stage::Coil, &mut coil, &[], &[])?;
+        let offsets =
+            Vector3::from_fn(|c, _| if context.in_coils { basic.coils[c].offset_nt } else { T::from(0.0) });
+        let mut geo: Vec<Vector3<T>> = coil
+            .iter()
+            .enumerate()
+            .map(|(row, coil)| field_geo(&basic.eta, &(coil + offsets), &context.ambient(row).map(T::from)))
+            .collect();
+        self.apply(Stage::Geo, &mut geo, &coil, &[])?;
+        let fixed = context.attitude.is_empty().then_some(context.orientation.rotation);
+        let to_sen = |(row, field)| turned(&fixed.unwrap_or_else(|| context.rotation(row)), field);
+        let sen = geo.iter().enumerate().map(to_sen).collect();
+        Ok(Fields { coil, geo, sen })
+    }
+
     /// The second half of the chain: from the field in SEN to the readings.
     pub fn read(&self, field_sen: &[Vector3<T>], coil_nt: &[Vector3<T>]) -> Result<Vec<Vector3<T>>, Error> {
         let mut field = Cow::Borrowed(field_sen);

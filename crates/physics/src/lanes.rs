@@ -16,14 +16,14 @@ impl<T> Real for T where
 {
 }
 
-/// Derivatives that are carried.
+/// Most derivatives that are carried at once.
 pub(crate) const LANES: usize = 8;
 
 /// A value with its derivatives.
-pub(crate) type Dual = DualSVec64<LANES>;
+pub(crate) type Dual<const N: usize = LANES> = DualSVec64<N>;
 
 /// Zero, with the derivative one in a lane.
-pub(crate) fn unit(lane: usize) -> Dual {
+pub(crate) fn unit<const N: usize>(lane: usize) -> Dual<N> {
     Dual::from_re(0.0).derivative(lane)
 }
 
@@ -34,7 +34,7 @@ pub(crate) fn dual(value: f64, derivatives: impl Fn(usize) -> f64) -> Dual {
 }
 
 /// The derivative in a lane.
-pub(crate) fn slope(value: &Dual, lane: usize) -> f64 {
+pub(crate) fn slope<const N: usize>(value: &Dual<N>, lane: usize) -> f64 {
     value.eps.0.map_or(0.0, |lanes| lanes[lane])
 }
 

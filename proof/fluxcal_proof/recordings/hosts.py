@@ -17,7 +17,7 @@ from .by_hand import affine, least_squares, left, test
 from .lengths import CONRAD_NT, NONE, VERNADSKY_NT
 from .programs import AXES, DAY_S, TOML, Programs, Series, relaxed, rms
 
-INJECTED, RECORDED, COUNT = 1_000_000, 2_000_000, 100  # numbers of cases from which on, and how many injections
+INJECTED, RECORDED, COUNT = 1_000_000, 2_000_000, 250  # numbers of cases from which on, and how many injections
 STRENGTHS = (3.0, 1.0, 10.0, 0.3)  # times the scatter of the host
 CLOSE = 0.1  # accepted departure from the wanted strength
 LEAST_LEFT = 0.05  # a fresh calibration leaves at least so much of the changes of an effect
@@ -260,6 +260,6 @@ def injections(hosts: list[Host], seed: int, number: int) -> list[Case]:
 
 
 def cases(data: Path, programs: Path, seed: int) -> list[tuple[int, Case]]:
-    """A hundred injections where the hosts carry them, then the hosts as they came, where nothing may be claimed; with their numbers."""
+    """The injections, where the hosts carry them, then the hosts as they came, where nothing may be claimed; with their numbers."""
     found = hosts(data, programs)
     return [*enumerate(injections(found, seed, COUNT), INJECTED), *enumerate([host.case("recorded", host.document, []) for host in found], RECORDED)]

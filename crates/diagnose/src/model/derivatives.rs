@@ -1,7 +1,7 @@
 //! Derivatives of what is predicted by the unknowns.
 
 use common::Axis;
-use physics::{Parameter, Prediction, Role, frames};
+use physics::{Basic, Parameter, Prediction, Role, frames};
 use rayon::prelude::*;
 
 use super::prediction::Seen;
@@ -19,15 +19,19 @@ impl Model<'_> {
         let runs: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
             .into_par_iter()
             .map(|run| {
-                let moving = |unknown: &Unknown| match unknown {
-                    Unknown::Chain(parameter, unit) if *unit == self.unit(run) => {
-                        self.local(state, run, *parameter)
-                    }
-                    _ => Vec::new(),
-                };
-                let wanted = self.unknowns.iter().flat_map(moving).map(|(local, _)| local);
-                let parameters: Vec<Parameter> =
-                    chain().filter(|own| wanted.clone().any(|local| local == *own)).collect();
+                let (now, _) = self.setting(state, run);
+                let moving: Vec<Vec<(Parameter, f64)>> = self
+                    .unknowns
+                    .iter()
+                    .map(|unknown| match unknown {
+                        Unknown::Chain(parameter, unit) if *unit == self.unit(run) => {
+                            self.local(&now, run, *parameter)
+                        }
+                        _ => Vec::new(),
+                    })
+                    .collect();
+                let is_wanted = |own: &Parameter| moving.iter().flatten().any(|(local, _)| local == own);
+                let parameters: Vec<Parameter> = chain().filter(is_wanted).collect();
                 let Seen { basic, prediction, derivatives } = self.predict(state, run, &parameters)?;
                 let length: usize = self.observed.channels_of(run).map(|channel| channel.rows.len()).sum();
                 let stack = |derivative: &Prediction| -> Vec<f64> {
@@ -49,10 +53,10 @@ impl Model<'_> {
                     .iter()
                     .enumerate()
                     .map(|(number, unknown)| match unknown {
-                        Unknown::Chain(parameter, unit) if *unit == self.unit(run) => {
+                        Unknown::Chain(_, unit) if *unit == self.unit(run) => {
                             let mut column = vec![0.0; length];
-                            for (local, weight) in self.local(state, run, *parameter) {
-                                let at = parameters.iter().position(|p| *p == local).unwrap_or(0);
+                            for (local, weight) in &moving[number] {
+                                let at = parameters.iter().position(|p| p == local).unwrap_or(0);
                                 let Some(derivative) = derivatives[at].as_ref() else { continue };
                                 column.iter_mut().zip(stack(derivative)).for_each(|(c, d)| *c += weight * d);
                             }
@@ -79,8 +83,7 @@ impl Model<'_> {
 
     /// What moves when a parameter of the chain moves. A turn counts along the tangents of the direction as
     /// the document has it; the chain's derivatives are along those of the direction as it stands.
-    fn local(&self, state: &State, run: usize, parameter: Parameter) -> Vec<(Parameter, f64)> {
-        let (now, _) = self.setting(state, run);
+    fn local(&self, now: &Basic, run: usize, parameter: Parameter) -> Vec<(Parameter, f64)> {
         let before = &self.observed.runs[run].setting.basic;
         let (axis, which, before, now, of): (_, _, _, _, fn(Axis, usize) -> Parameter) = match parameter {
             Parameter::SensorTurn(axis, which) => (axis, which, &before.mu, &now.mu, Parameter::SensorTurn),

@@ -150,8 +150,7 @@ impl Kind<'_> {
                 .filter(|(_, values)| values.iter().any(|x| *x != 0.0))
                 .unzip();
             whitening.whiten_all(&mut white);
-            let white = Mat::from_fn(kept.len(), there.len(), |i, j| white[j][i]);
-            let own = white.transpose() * &white;
+            let own = estimate::gram_of(&white);
             for (i, row) in there.iter().enumerate() {
                 for (j, column) in there.iter().enumerate() {
                     gram[(*row, *column)] += own[(i, j)];

@@ -236,7 +236,7 @@ fn the_most_likely_noise_is_the_covariance_times_the_inverse() {
         let all = Whitening::of(&noise, Some(&time), 30, 200.0).expect("a noise");
         let covariance = all.covariance();
         let v: Vec<f64> = (0..30).map(|row| (0.9 * f64::from(row)).sin()).collect();
-        let found = all.most_likely(&time, &v, &time);
+        let found = all.most_likely(&time, std::slice::from_ref(&v), &time).concat();
         for (row, found) in found.iter().enumerate() {
             // Without the white part, which is the row's own.
             let expected: f64 = (0..30).map(|other| covariance[row * 30 + other] * v[other]).sum::<f64>()

@@ -50,9 +50,9 @@ impl Directions<Mat<f64>> {
                 _ => f64::INFINITY,
             })
             .collect();
-        let scaled = Mat::from_fn(matrix.nrows(), count, |i, j| matrix[(i, j)] / lengths[j]);
-        let right = scaled.transpose() * Mat::from_fn(residual.len(), 1, |i, _| residual[i]);
-        let products = scaled.transpose() * &scaled;
+        let products = crate::gram(matrix.as_ref());
+        let products = Mat::from_fn(count, count, |i, j| products[(i, j)] / lengths[i] / lengths[j]);
+        let right = Mat::from_fn(count, 1, |j, _| crate::dot(matrix.col_as_slice(j), residual) / lengths[j]);
         let (values, vectors) = eigen(products.as_ref())?;
         let shown: Vec<usize> = (0..count).filter(|k| values[*k] > ROUNDING).collect();
         let directions = Mat::from_fn(count, shown.len(), |j, k| vectors[(j, shown[k])]);

@@ -18,7 +18,7 @@ impl Products {
 
     /// Adds a block of rows: the columns, then the residual as the last one.
     pub fn push(&mut self, block: MatRef<'_, f64>) {
-        self.blocks.push(block.transpose() * block);
+        self.blocks.push(crate::gram(block));
         self.rows.push(block.nrows());
     }
 
