@@ -12,7 +12,7 @@ import numpy as np
 from fluxcal_proof import cases, effects, folder, goals, groups, pairs, plan, rivals, score, verdict
 
 PACKAGE = Path(folder.__file__).parent
-ALLOWED = {"numpy", "scipy", "matplotlib", "pandas", "pysindy", "fluxcal_proof"}
+ALLOWED = {"numpy", "scipy", "matplotlib", "pandas", "pysindy", "sklearn", "fluxcal_proof"}
 
 
 class Package(unittest.TestCase):
