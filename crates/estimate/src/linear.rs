@@ -27,7 +27,7 @@ pub fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
     mirrored(gram)
 }
 
-/// The same of columns that are apart.
+/// AᵀA of the columns of A, by blocks of rows.
 pub fn gram_of<C: AsRef<[f64]>>(columns: &[C]) -> Mat<f64> {
     let (rows, count) = (columns.first().map_or(0, |column| column.as_ref().len()), columns.len());
     let mut gram = Mat::zeros(count, count);

@@ -44,9 +44,8 @@ impl Blocks {
         let rows = stack.columns.first().map_or(0, Vec::len);
         let block = |number: usize| {
             let (from, to) = (number * rows / BLOCKS, (number + 1) * rows / BLOCKS);
-            let count = stack.columns.len();
-            let part = Mat::from_fn(to - from, count, |row, column| stack.columns[column][from + row]);
-            part.transpose() * &part
+            let part: Vec<&[f64]> = stack.columns.iter().map(|column| &column[from..to]).collect();
+            estimate::gram_of(&part)
         };
         let each: Vec<Mat<f64>> = (0..BLOCKS).into_par_iter().map(block).collect();
         let mut whole = Mat::zeros(stack.columns.len(), stack.columns.len());

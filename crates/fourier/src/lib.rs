@@ -16,15 +16,6 @@ pub type Forward = Arc<dyn RealToComplex<f64>>;
 /// N/2 + 1 complex numbers back to N real ones.
 pub type Inverse = Arc<dyn ComplexToReal<f64>>;
 
-/// The least length from some number of points on whose transform is quick: 2^a 3^b, even.
-pub fn quick(points: usize) -> usize {
-    let of = |threes: u32| {
-        let three = 3usize.pow(threes);
-        three * points.div_ceil(three).next_power_of_two().max(2)
-    };
-    (0..=12).map(of).min().unwrap_or(points)
-}
-
 /// Makes transforms and keeps what those of other lengths can share.
 pub struct Planner(RealFftPlanner<f64>);
 

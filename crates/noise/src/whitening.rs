@@ -210,12 +210,7 @@ impl Whitening {
     ///
     /// Panics where a column has another number of rows.
     pub fn whiten_all<C: AsMut<[f64]>>(&self, columns: &mut [C]) {
-        for column in columns.iter_mut() {
-            assert_eq!(column.as_mut().len(), self.rows, "rows of a column");
-        }
-        if self.is_white() {
-            let deviation = self.white.sqrt();
-            columns.iter_mut().flat_map(|column| column.as_mut()).for_each(|reading| *reading /= deviation);
+        if self.whitens_white(columns) {
             return;
         }
         let known: Vec<f64> = match &self.level {
@@ -254,6 +249,18 @@ impl Whitening {
         }
     }
 
+    /// Whitens columns where readings are independent, and says whether they are.
+    fn whitens_white<C: AsMut<[f64]>>(&self, columns: &mut [C]) -> bool {
+        for column in columns.iter_mut() {
+            assert_eq!(column.as_mut().len(), self.rows, "rows of a column");
+        }
+        if self.is_white() {
+            let deviation = self.white.sqrt();
+            columns.iter_mut().flat_map(|column| column.as_mut()).for_each(|reading| *reading /= deviation);
+        }
+        self.is_white()
+    }
+
     /// L⁻ᵀ of a series: of what was whitened, C⁻¹ y, in which a departure of a single row stands out. One pass
     /// from the last row to the first. Without what is known of the mean.
     pub fn whiten_transposed(&self, series: &[f64]) -> Vec<f64> {
@@ -264,12 +271,7 @@ impl Whitening {
 
     /// The same of each column in place, all by the same gains.
     pub fn whiten_transposed_all<C: AsMut<[f64]>>(&self, columns: &mut [C]) {
-        for column in columns.iter_mut() {
-            assert_eq!(column.as_mut().len(), self.rows, "rows of a column");
-        }
-        if self.is_white() {
-            let deviation = self.white.sqrt();
-            columns.iter_mut().flat_map(|column| column.as_mut()).for_each(|value| *value /= deviation);
+        if self.whitens_white(columns) {
             return;
         }
         let computed;

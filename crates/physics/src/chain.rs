@@ -185,8 +185,8 @@ impl Fields<f64> {
     }
 }
 
-/// A known matrix times a vector.
-fn turned<T: Real>(matrix: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
+/// A known matrix times a vector, written out: quicker for numbers with derivatives than the general product.
+fn product<T: Real>(matrix: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
     Vector3::from_fn(|i, _| v[0] * matrix[(i, 0)] + v[1] * matrix[(i, 1)] + v[2] * matrix[(i, 2)])
 }
 
@@ -223,7 +223,7 @@ impl<T: Real> Chain<'_, T> {
             .collect();
         self.apply(Stage::Geo, &mut geo, &coil, &[])?;
         let fixed = context.attitude.is_empty().then_some(context.orientation.rotation);
-        let to_sen = |(row, field)| turned(&fixed.unwrap_or_else(|| context.rotation(row)), field);
+        let to_sen = |(row, field)| product(&fixed.unwrap_or_else(|| context.rotation(row)), field);
         let sen = geo.iter().enumerate().map(to_sen).collect();
         Ok(Fields { coil, geo, sen })
     }

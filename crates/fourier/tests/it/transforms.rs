@@ -17,10 +17,3 @@ fn there_and_back_is_n_times_the_series() {
         }
     }
 }
-
-#[test]
-fn quick_lengths_have_no_other_divisors_than_two_and_three() {
-    for (points, length) in [(0, 2), (5, 6), (1000, 1024), (1025, 1152), ((1 << 20) + 1, 1_062_882)] {
-        assert_eq!(fourier::quick(points), length, "{points}");
-    }
-}

@@ -116,7 +116,7 @@ pub fn correlate(series: &[f64], template: &[f64]) -> Vec<f64> {
     if let [only] = template {
         return series.iter().map(|value| value * only).collect();
     }
-    let points = fourier::quick(series.len() + template.len());
+    let points = (series.len() + template.len()).next_power_of_two();
     let forward = plans::forward(points);
     let spectrum = |values: &[f64]| {
         let mut padded = forward.make_input_vec();
