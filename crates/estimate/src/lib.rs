@@ -42,7 +42,8 @@ pub mod stats;
 
 pub use linear::svd::Svd;
 pub use linear::{
-    correlated, dot, exact, gram, gram_of, hac, influence, mixture, positive, svd, triangle, tsqr, wander,
+    add_gram, correlated, dot, exact, gram, gram_of, hac, influence, mirrored, mixture, positive, svd,
+    triangle, tsqr, wander,
 };
 pub use nonlinear::gauss_newton::{Fit, Linear, Options, Problem, Step, linearised, minimise, solve};
 pub use nonlinear::{gauss_newton, line_search};

@@ -27,6 +27,15 @@ pub fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
     mirrored(gram)
 }
 
+/// Adds AᵀA of some more rows of A, whose columns follow each other, to the lower triangle of a sum; whole in the end
+/// by [`mirrored`].
+pub fn add_gram(sum: &mut Mat<f64>, columns: &[f64]) {
+    let count = sum.ncols();
+    if count > 0 {
+        add_lower(sum, MatRef::from_column_major_slice(columns, columns.len() / count, count));
+    }
+}
+
 /// AᵀA of the columns of A, by blocks of rows.
 pub fn gram_of<C: AsRef<[f64]>>(columns: &[C]) -> Mat<f64> {
     let (rows, count) = (columns.first().map_or(0, |column| column.as_ref().len()), columns.len());
@@ -47,7 +56,8 @@ fn add_lower(gram: &mut Mat<f64>, a: MatRef<'_, f64>) {
     matmul(gram.as_mut(), lower, Accum::Add, a.transpose(), whole, a, whole, 1.0, Par::Seq);
 }
 
-fn mirrored(mut gram: Mat<f64>) -> Mat<f64> {
+/// A symmetric matrix of its lower triangle.
+pub fn mirrored(mut gram: Mat<f64>) -> Mat<f64> {
     for j in 0..gram.ncols() {
         (0..j).for_each(|i| gram[(i, j)] = gram[(j, i)]);
     }

@@ -1,13 +1,12 @@
 //! How large each cause is, with its uncertainty over all forms of noise.
 
 use common::Quantity;
-use estimate::Error;
 use estimate::mixture::{Component, Mixture};
 use faer::Mat;
 
 use crate::fit::Fit;
 use crate::form::Form;
-use crate::noises;
+use crate::noises::{self, Filter};
 use crate::problem::{Cause, Problem, Term};
 use crate::products::{Product, products};
 use crate::stack::Stack;
@@ -107,14 +106,10 @@ pub struct Step {
 }
 
 /// Fits some causes in their forms to all channels.
-///
-/// # Errors
-///
-/// Times out of order.
-pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) -> Result<Fitted, Error> {
+pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[Filter]) -> Fitted {
     let mut stack = Stack::of(problem, named);
     let derivatives = slopes(problem, &mut stack, named);
-    let made = products(&problem.time_s, &stack, noises)?;
+    let made = products(&stack, noises);
     let columns: Vec<Vec<usize>> = (0..stack.y.len())
         .map(|channel| {
             let own = stack.candidates.iter().flat_map(|one| one.columns[channel].clone());
@@ -176,7 +171,7 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) 
             }
             of.push(sum);
         }
-        fitted.noise.push(noises[best].clone());
+        fitted.noise.push(noises[best].form.clone());
         let freedom = (problem.rows() as f64 - columns.len() as f64).max(1.0);
         fitted.variance.push(fit.left / freedom * stack.scale[y] * stack.scale[y]);
         fitted.columns.push(fit.columns);
@@ -230,7 +225,7 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[noises::Form]) 
         };
         fitted.amplitudes.push(Amplitude { cause: *cause, form: *form, channels, late_s, alike });
     }
-    Ok(fitted)
+    fitted
 }
 
 /// Columns of the derivative of each relaxed cause with respect to ln τ.

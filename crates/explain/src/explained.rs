@@ -8,7 +8,7 @@ use crate::held_out::{HeldOut, held_out};
 use crate::predicted;
 use crate::problem::{Cause, Problem};
 use crate::search::Rival;
-use crate::select::{Selected, select};
+use crate::select::{Screened, Selected};
 use crate::stack::Stack;
 
 /// A cause that should have one amplitude in all channels is none where one explains less than this share.
@@ -93,22 +93,23 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
 /// The best set of causes of which each predicts readings that are left out, the fit of it, what is gained by each of
 /// them, and the rms of each channel's readings that are left out.
 fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>, Vec<f64>), Error> {
-    let mut causes = part.causes();
+    let screened = Screened::of(part)?;
+    let mut out: Vec<Cause> = Vec::new();
     loop {
-        let selected = select(part, &causes)?;
-        let fitted = fit(part, &selected)?;
+        let selected = screened.select(&out)?;
+        let fitted = fit(part, &selected);
         let sets: Vec<Option<usize>> = (0..selected.named.len()).map(Some).chain([None]).collect();
         let mut all = predicted::rms(part, &fitted, &sets)?;
         let with = all.swap_remove(selected.named.len());
-        let mut gains = Vec::new();
+        let (mut gains, before) = (Vec::new(), out.len());
         for (number, without) in all.iter().enumerate() {
             let alike = fitted.amplitudes[number].alike.unwrap_or(1.0);
             if lower(without, &with) <= 0.0 || alike < ALIKE {
-                causes.retain(|cause| *cause != selected.named[number].0);
+                out.push(selected.named[number].0);
             }
             gains.push(mean(without) - mean(&with));
         }
-        if gains.len() == selected.named.iter().filter(|(cause, ..)| causes.contains(cause)).count() {
+        if out.len() == before {
             return Ok((selected, fitted, gains, with));
         }
     }
@@ -119,7 +120,7 @@ fn mean(rms: &[f64]) -> f64 {
     (rms.iter().map(|rms| rms * rms).sum::<f64>() / rms.len().max(1) as f64).sqrt()
 }
 
-fn fit(part: &Problem, selected: &Selected) -> Result<Fitted, Error> {
+fn fit(part: &Problem, selected: &Selected) -> Fitted {
     let named: Vec<(Cause, Form)> = selected.named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
     amplitude::fit(part, &named, &selected.noises)
 }

@@ -176,11 +176,15 @@ impl Covariate {
 /// sample until the next, or goes to it on a straight line.
 fn relaxed(time_s: &[f64], u: &[f64], late_s: f64, held: bool) -> Vec<f64> {
     let mut x = u.first().copied().unwrap_or(0.0);
+    let (mut steps, mut kept) = (0.0, 1.0);
     let mut all = Vec::with_capacity(u.len());
     for row in 0..u.len() {
         if row > 0 {
-            let steps = (time_s[row] - time_s[row - 1]) / late_s;
-            let (kept, from, to) = ((-steps).exp(), u[row - 1], u[row]);
+            let next = (time_s[row] - time_s[row - 1]) / late_s;
+            if next != steps {
+                (steps, kept) = (next, (-next).exp());
+            }
+            let (from, to) = (u[row - 1], u[row]);
             // On a line the answer lags by τ behind it.
             let slope = if held || steps == 0.0 { 0.0 } else { (to - from) / steps };
             let end = if held { from } else { to };

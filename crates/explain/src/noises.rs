@@ -22,6 +22,8 @@ const APART: f64 = 2.5;
 const HIGHEST: f64 = 0.4;
 /// Bins of frequency in each octave, rounds of the fit, and unknowns that it costs.
 const BINS: f64 = 6.0;
+/// A process that is nowhere more than this share of a spectrum is left out.
+const SHOWS: f64 = 1e-3;
 const ROUNDS: usize = 300;
 const UNKNOWNS: f64 = 6.0;
 
@@ -58,6 +60,27 @@ impl Form {
             Form::Law(_) | Form::Plateau(_) => 0.0,
             Form::Fitted(..) => -0.5 * UNKNOWNS * (rows as f64).ln(),
         }
+    }
+}
+
+/// Noise, and its filter at the rows of a problem.
+#[derive(Clone, Debug)]
+pub struct Filter {
+    /// The noise.
+    pub form: Form,
+    /// Its filter.
+    pub whitening: Whitening,
+}
+
+impl Filter {
+    /// Of some noises.
+    ///
+    /// # Errors
+    ///
+    /// Times out of order.
+    pub fn all(forms: Vec<Form>, time_s: &[f64]) -> Result<Vec<Self>, Error> {
+        let of = |form: Form| Ok(Self { whitening: form.whitening(time_s)?, form });
+        forms.into_iter().map(of).collect()
     }
 }
 
@@ -137,11 +160,13 @@ pub fn fitted(residual: &[f64], step_s: f64) -> Option<Form> {
     }
     // Some white noise in any case: without it readings at one time would be known.
     let white = weights[0].max(1e-6 * mean);
-    let processes = processes
-        .into_iter()
-        .zip(&weights[1..])
-        .map(|(process, weight)| Process { variance_nt2: weight / white, ..process })
-        .filter(|process| process.variance_nt2 > 1e-9)
+    let sum =
+        |bin: usize| -> f64 { weights.iter().zip(&shapes).map(|(weight, shape)| weight * shape[bin]).sum() };
+    let shows =
+        |part: usize| (0..binned.len()).any(|bin| weights[part] * shapes[part][bin] > SHOWS * sum(bin));
+    let processes = (1..weights.len())
+        .filter(|part| shows(*part))
+        .map(|part| Process { variance_nt2: weights[part] / white, ..processes[part - 1] })
         .collect();
     white.is_finite().then_some(Form::Fitted(1.0, processes))
 }

@@ -1,10 +1,10 @@
 //! Products of columns under each form of noise: from here on nothing depends on the number of rows.
 
-use estimate::{Error, gram_of};
+use estimate::{add_gram, mirrored};
 use faer::Mat;
 use rayon::prelude::*;
 
-use crate::noises::Form;
+use crate::noises::Filter;
 use crate::stack::Stack;
 
 /// Products of whitened columns, and the determinant of the covariance.
@@ -18,25 +18,17 @@ pub struct Product {
 }
 
 /// Those of a stack's columns under each noise.
-///
-/// # Errors
-///
-/// Times out of order.
-pub fn products(time_s: &[f64], stack: &Stack, noises: &[Form]) -> Result<Vec<Product>, Error> {
+pub fn products(stack: &Stack, filters: &[Filter]) -> Vec<Product> {
     let all: Vec<usize> = (0..stack.columns.len()).collect();
-    noises.par_iter().map(|noise| product(time_s, stack, &all, noise)).collect()
+    filters.par_iter().map(|filter| product(stack, &all, filter)).collect()
 }
 
 /// The same of some of the columns, with zeros for the others.
-///
-/// # Errors
-///
-/// Times out of order.
-pub fn product(time_s: &[f64], stack: &Stack, among: &[usize], noise: &Form) -> Result<Product, Error> {
-    let filter = noise.whitening(time_s)?;
-    let mut white: Vec<Vec<f64>> = among.iter().map(|column| stack.columns[*column].clone()).collect();
-    filter.whiten_all(&mut white);
-    let own = gram_of(&white);
+pub fn product(stack: &Stack, among: &[usize], filter: &Filter) -> Product {
+    let columns: Vec<&[f64]> = among.iter().map(|column| stack.columns[*column].as_slice()).collect();
+    let mut own = Mat::<f64>::zeros(among.len(), among.len());
+    filter.whitening.by_rows(&columns, |some| add_gram(&mut own, some));
+    let own = mirrored(own);
     let mut gram = Mat::zeros(stack.columns.len(), stack.columns.len());
     for (i, row) in among.iter().enumerate() {
         among.iter().enumerate().for_each(|(j, column)| gram[(*row, *column)] = own[(i, j)]);
@@ -44,5 +36,6 @@ pub fn product(time_s: &[f64], stack: &Stack, among: &[usize], noise: &Form) -> 
     for (column, known) in &stack.known {
         gram[(*column, *column)] += known;
     }
-    Ok(Product { gram, log_determinant: filter.log_determinant(), log_prior: noise.prior(time_s.len()) })
+    let log_prior = filter.form.prior(filter.whitening.rows());
+    Product { gram, log_determinant: filter.whitening.log_determinant(), log_prior }
 }

@@ -52,10 +52,13 @@ fn of_form(candidate: &Candidate, forms: usize) -> f64 {
     }
 }
 
-/// ln of the odds for a cause of one amplitude, from the square of it over its uncertainty, so many rows and so many
-/// causes that are weighed.
-pub fn odds(square: f64, rows: usize, causes: usize) -> f64 {
-    0.5 * (square - (rows as f64).ln_1p()) - AGAINST - (causes.max(1) as f64).ln()
+/// ln of the odds for a cause of so many unknowns in each channel, from the square of these over their uncertainties: shown
+/// in the channels where that pays, with so many rows and so many causes that are weighed.
+pub fn odds(squares: &[f64], unknowns: usize, rows: usize, causes: usize) -> f64 {
+    let net = |square: &f64| 0.5 * (square - unknowns as f64 * (rows as f64).ln_1p());
+    let best = squares.iter().map(net).fold(f64::NEG_INFINITY, f64::max);
+    let others: f64 = squares.iter().map(net).filter(|net| *net > 0.0).sum();
+    best.min(0.0) + others - AGAINST - (causes.max(1) as f64).ln()
 }
 
 /// The search over sets of candidates.
@@ -66,6 +69,7 @@ pub struct Search<'a> {
     rows: usize,
     /// ln of the prior odds of each candidate.
     prior: Vec<f64>,
+    without: Vec<Cause>,
     weighed: BTreeMap<Vec<Cause>, f64>,
 }
 
@@ -95,7 +99,12 @@ impl<'a> Search<'a> {
                 - candidate.looks
         };
         let prior = stack.candidates.iter().map(of).collect();
-        Self { stack, base, products, rows, prior, weighed: BTreeMap::new() }
+        Self { stack, base, products, rows, prior, without: Vec::new(), weighed: BTreeMap::new() }
+    }
+
+    /// The same where some causes do not act.
+    pub fn without(self, causes: &[Cause]) -> Self {
+        Self { without: causes.to_vec(), ..self }
     }
 
     /// The best set, and all that were weighed with their probabilities, the most probable first.
@@ -190,7 +199,8 @@ impl<'a> Search<'a> {
     pub fn offers(&self, named: &[Named]) -> Vec<(Named, f64)> {
         let sweeps = self.sweeps(named);
         let before: Vec<f64> = sweeps.iter().map(Sweep::evidence).collect();
-        let taken: Vec<Cause> = named.iter().map(|one| self.stack.candidates[one.candidate].cause).collect();
+        let known = named.iter().map(|one| self.stack.candidates[one.candidate].cause);
+        let taken: Vec<Cause> = known.chain(self.without.iter().copied()).collect();
         let width = sweeps[0].width();
         let mut offers = Vec::new();
         for (number, candidate) in self.stack.candidates.iter().enumerate() {

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crate::amplitude::{self, Amplitude};
 use crate::fit::Fit;
 use crate::form::Form;
-use crate::noises;
+use crate::noises::{self, Filter};
 use crate::problem::{Cause, Problem};
 use crate::products::{Product, product, products};
 use crate::reference::{SHARES, held};
@@ -43,7 +43,7 @@ pub struct Selected {
     /// The forms that were weighed on all rows.
     pub offered: Vec<(Cause, Form)>,
     /// The forms of noise.
-    pub noises: Vec<noises::Form>,
+    pub noises: Vec<Filter>,
 }
 
 /// Causes in their forms on all channels: ln of the odds for all of them together, and their amplitudes.
@@ -52,77 +52,112 @@ pub struct Selected {
 ///
 /// Times out of order.
 pub fn weigh(problem: &Problem, offered: &[(Cause, Form)]) -> Result<(f64, Vec<Amplitude>), Error> {
-    let laws = noises::laws(problem.step_s());
+    let laws = Filter::all(noises::laws(problem.step_s()), &problem.time_s)?;
     let all = vec![true; problem.channels.len()];
     let stack = Stack::of(problem, offered);
-    let made = products(&problem.time_s, &stack, &laws)?;
+    let made = products(&stack, &laws);
     let named = |candidate: usize| Named { candidate, channels: all.clone() };
     let set: Vec<Named> = (0..offered.len()).map(named).collect();
     let (noises, _) = with_spectra(problem, &stack, &laws, &made, &set)?;
     let named: Vec<_> = offered.iter().map(|(cause, form)| (*cause, *form, all.clone())).collect();
-    let gain = gains(problem, &named, &noises, 1, &|_| 1, &[(0..offered.len()).collect()])?[0];
-    Ok((gain, amplitude::fit(problem, offered, &noises)?.amplitudes))
+    let gain = gains(problem, &named, &noises, 1, &|_| 1, &[(0..offered.len()).collect()])[0];
+    Ok((gain, amplitude::fit(problem, offered, &noises).amplitudes))
 }
 
-/// Weighs some causes of a problem; what noise of the reference may imitate is no name.
-///
-/// # Errors
-///
-/// Times out of order.
-pub fn select(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
-    let mut causes = among.to_vec();
-    loop {
-        let selected = best_of(problem, &causes)?;
-        let weakest =
-            (0..selected.gains.len()).min_by(|a, b| selected.gains[*a].total_cmp(&selected.gains[*b]));
-        match weakest.filter(|weakest| selected.gains[*weakest] <= 0.0) {
-            None => return Ok(selected),
-            Some(weakest) => causes.retain(|cause| *cause != selected.named[weakest].0),
+/// All causes of a problem in the forms that are weighed on all rows, with their products under the laws of noise that
+/// are not out of the question.
+pub struct Screened<'a> {
+    problem: &'a Problem,
+    counts: BTreeMap<Cause, usize>,
+    offered: Vec<(Cause, Form)>,
+    laws: usize,
+    stack: Stack,
+    /// The laws, then the spectra of what is left where nothing acts; with their products.
+    noises: Vec<Filter>,
+    products: Vec<Product>,
+}
+
+impl<'a> Screened<'a> {
+    /// Of a problem.
+    ///
+    /// # Errors
+    ///
+    /// Times out of order.
+    pub fn of(problem: &'a Problem) -> Result<Self, Error> {
+        let forms = |cause: &Cause| Form::all(problem, *cause);
+        let causes = problem.causes();
+        let counts: BTreeMap<Cause, usize> =
+            causes.iter().map(|cause| (*cause, forms(cause).len())).collect();
+        let count = |cause: Cause| counts[&cause];
+        let mut offered: Vec<(Cause, Form)> =
+            causes.iter().flat_map(|cause| forms(cause).into_iter().map(|form| (*cause, form))).collect();
+        let mut laws = noises::laws(problem.step_s());
+        if problem.rows() > ROWS || offered.len() > AT_ONCE {
+            let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
+            let filters = Filter::all(laws, &thin.time_s)?;
+            let some: Vec<Filter> = filters.iter().step_by(LAWS_APART).cloned().collect();
+            offered = screened(&thin, &offered, &some, counts.len(), &count);
+            laws = probable(&thin, &offered, filters, counts.len(), &count);
+        }
+        let stack = Stack::of(problem, &offered);
+        let filters = Filter::all(laws, &problem.time_s)?;
+        let made = products(&stack, &filters);
+        let (noises, products) = with_spectra(problem, &stack, &filters, &made, &[])?;
+        Ok(Self { problem, counts, offered, laws: filters.len(), stack, noises, products })
+    }
+
+    /// The best set of all causes but some; what noise of the reference may imitate is no name.
+    ///
+    /// # Errors
+    ///
+    /// Times out of order.
+    pub fn select(&self, without: &[Cause]) -> Result<Selected, Error> {
+        let mut without = without.to_vec();
+        loop {
+            let selected = self.best(&without)?;
+            let weakest =
+                (0..selected.gains.len()).min_by(|a, b| selected.gains[*a].total_cmp(&selected.gains[*b]));
+            match weakest.filter(|weakest| selected.gains[*weakest] <= 0.0) {
+                None => return Ok(selected),
+                Some(weakest) => without.push(selected.named[weakest].0),
+            }
         }
     }
-}
 
-fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
-    let all = problem.causes().len();
-    let forms: BTreeMap<Cause, Vec<Form>> =
-        problem.causes().into_iter().map(|cause| (cause, Form::all(problem, cause))).collect();
-    let count = |cause: Cause| forms[&cause].len();
-    let mut offered: Vec<(Cause, Form)> =
-        among.iter().flat_map(|cause| forms[cause].iter().map(|form| (*cause, *form))).collect();
-    let mut noises = noises::laws(problem.step_s());
-    if problem.rows() > ROWS || offered.len() > AT_ONCE {
-        let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
-        let some: Vec<noises::Form> = noises.iter().step_by(LAWS_APART).cloned().collect();
-        offered = screened(&thin, &offered, &some, all, &count)?;
-        noises = probable(&thin, &offered, noises, all, &count)?;
-    }
-    let stack = Stack::of(problem, &offered);
-    let laws = products(&problem.time_s, &stack, &noises)?;
-    let (mut set, mut rivals) = (Vec::new(), Vec::new());
-    for round in 0..ROUNDS {
-        let (forms, made) = with_spectra(problem, &stack, &noises[..laws.len()], &laws, &set)?;
-        noises = forms;
-        let best;
-        (best, rivals) = Search::new(&stack, &made, problem.rows(), all, &count).best();
-        let same = best.named == set;
-        set = best.named;
+    fn best(&self, without: &[Cause]) -> Result<Selected, Error> {
+        let Self { problem, stack, .. } = self;
+        let all = self.counts.len();
+        let count = |cause: Cause| self.counts[&cause];
+        let best =
+            |made: &[Product]| Search::new(stack, made, problem.rows(), all, &count).without(without).best();
+        let mut noises = self.noises.clone();
+        let (mut set, mut rivals) = best(&self.products);
         // The noise is what the right set leaves.
-        if same || round + 1 == ROUNDS {
-            break;
+        for _ in 1..ROUNDS {
+            if set.named.is_empty() {
+                break;
+            }
+            let (laws, made) = (&self.noises[..self.laws], &self.products[..self.laws]);
+            let (filters, made) = with_spectra(problem, stack, laws, made, &set.named)?;
+            noises = filters;
+            let before = set;
+            (set, rivals) = best(&made);
+            if set.named == before.named {
+                break;
+            }
         }
+        let of = |one: &Named| {
+            let candidate = &stack.candidates[one.candidate];
+            (candidate.cause, candidate.form, one.channels.clone())
+        };
+        let mut named: Vec<(Cause, Form, Vec<bool>)> = set.named.iter().map(of).collect();
+        for by in NEARER {
+            refine(problem, &mut named, &noises, by);
+        }
+        let each: Vec<Vec<usize>> = (0..named.len()).map(|one| vec![one]).collect();
+        let gains = gains(problem, &named, &noises, all, &count, &each);
+        Ok(Selected { named, gains, rivals, offered: self.offered.clone(), noises })
     }
-    let of = |one: &Named| {
-        let candidate = &stack.candidates[one.candidate];
-        (candidate.cause, candidate.form, one.channels.clone())
-    };
-    let mut named: Vec<(Cause, Form, Vec<bool>)> = set.iter().map(of).collect();
-    drop(stack);
-    for by in NEARER {
-        refine(problem, &mut named, &noises, by)?;
-    }
-    let each: Vec<Vec<usize>> = (0..named.len()).map(|one| vec![one]).collect();
-    let gains = gains(problem, &named, &noises, all, &count, &each)?;
-    Ok(Selected { named, gains, rivals, offered, noises })
 }
 
 /// Laws of noise, and for each channel the spectrum of what the most probable of all leaves beside a set: fitted
@@ -130,10 +165,10 @@ fn best_of(problem: &Problem, among: &[Cause]) -> Result<Selected, Error> {
 fn with_spectra(
     problem: &Problem,
     stack: &Stack,
-    laws: &[noises::Form],
+    laws: &[Filter],
     of_laws: &[Product],
     set: &[Named],
-) -> Result<(Vec<noises::Form>, Vec<Product>), Error> {
+) -> Result<(Vec<Filter>, Vec<Product>), Error> {
     let own = |channel: usize| -> Vec<usize> {
         let shown = set.iter().filter(|one| one.channels[channel]);
         shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone()).collect()
@@ -147,21 +182,18 @@ fn with_spectra(
             let fit = Fit::of(&made[best].gram, y, &columns);
             noises::fitted(&fit.rest(&stack.columns, &stack.columns[y]), problem.step_s())
         });
-        let fitted: Vec<noises::Form> = fitted.collect();
+        let fitted = Filter::all(fitted.collect(), &problem.time_s)?;
         forms.truncate(laws.len());
         made.truncate(laws.len());
         // Until the last the set's own columns are enough.
         made.extend(if round + 1 == SPECTRA {
-            products(&problem.time_s, stack, &fitted)?
+            products(stack, &fitted)
         } else {
             let all = (0..stack.y.len()).flat_map(&own);
             let mut among: Vec<usize> = stack.base.iter().chain(&stack.y).copied().chain(all).collect();
             among.sort_unstable();
             among.dedup();
-            fitted
-                .par_iter()
-                .map(|noise| product(&problem.time_s, stack, &among, noise))
-                .collect::<Result<Vec<_>, _>>()?
+            fitted.par_iter().map(|filter| product(stack, &among, filter)).collect()
         });
         forms.extend(fitted);
     }
@@ -183,29 +215,28 @@ pub fn thinned(rows: usize, most: usize, blocks: usize) -> Vec<usize> {
 fn probable(
     thin: &Problem,
     offered: &[(Cause, Form)],
-    laws: Vec<noises::Form>,
+    laws: Vec<Filter>,
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
-) -> Result<Vec<noises::Form>, Error> {
+) -> Vec<noises::Form> {
     let stack = Stack::of(thin, offered);
-    let made = products(&thin.time_s, &stack, &laws)?;
+    let made = products(&stack, &laws);
     let search = || Search::new(&stack, &made, thin.rows(), causes, count);
     let (best, _) = search().best();
     let weights: Vec<Vec<f64>> =
         [&[][..], &best.named].iter().flat_map(|set| search().noise_weights(set)).collect();
-    let is_probable =
-        |(number, _): &(usize, noises::Form)| weights.iter().any(|own| own[*number] > IMPROBABLE);
-    Ok(laws.into_iter().enumerate().filter(is_probable).map(|(_, law)| law).collect())
+    let is_probable = |(number, _): &(usize, Filter)| weights.iter().any(|own| own[*number] > IMPROBABLE);
+    laws.into_iter().enumerate().filter(is_probable).map(|(_, law)| law.form).collect()
 }
 
 /// The forms of each cause that explain most by themselves and beside the best set.
 fn screened(
     thin: &Problem,
     offered: &[(Cause, Form)],
-    noises: &[noises::Form],
+    noises: &[Filter],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
-) -> Result<Vec<(Cause, Form)>, Error> {
+) -> Vec<(Cause, Form)> {
     let mut kept: Vec<(Cause, Form)> = Vec::new();
     let mut rest = offered;
     while !rest.is_empty() {
@@ -216,20 +247,20 @@ fn screened(
         }
         let (group, later) = rest.split_at(many);
         rest = later;
-        kept.extend(best_forms(thin, group, noises, causes, count)?);
+        kept.extend(best_forms(thin, group, noises, causes, count));
     }
-    Ok(kept)
+    kept
 }
 
 fn best_forms(
     thin: &Problem,
     group: &[(Cause, Form)],
-    noises: &[noises::Form],
+    noises: &[Filter],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
-) -> Result<Vec<(Cause, Form)>, Error> {
+) -> Vec<(Cause, Form)> {
     let stack = Stack::of(thin, group);
-    let made = products(&thin.time_s, &stack, noises)?;
+    let made = products(&stack, noises);
     let search = || Search::new(&stack, &made, thin.rows(), causes, count);
     let (best, _) = search().best();
     let mut kept: Vec<(Cause, Form)> = Vec::new();
@@ -253,16 +284,11 @@ fn best_forms(
             }
         }
     }
-    Ok(kept)
+    kept
 }
 
 /// Relaxations between those of the grid, one cause after the other.
-fn refine(
-    problem: &Problem,
-    named: &mut [(Cause, Form, Vec<bool>)],
-    noises: &[noises::Form],
-    by: f64,
-) -> Result<(), Error> {
+fn refine(problem: &Problem, named: &mut [(Cause, Form, Vec<bool>)], noises: &[Filter], by: f64) {
     for place in 0..named.len() {
         if named[place].1.late_s == 0.0 {
             continue;
@@ -274,7 +300,7 @@ fn refine(
         let through = form.through().into_iter().filter(|_| matches!(cause, Cause::Covariate(_)));
         offered.extend(near.chain(through).map(|form| (cause, form)));
         let stack = Stack::of(problem, &offered);
-        let made = products(&problem.time_s, &stack, noises)?;
+        let made = products(&stack, noises);
         let search = Search::new(&stack, &made, problem.rows(), 1, &|_| 1);
         let with = |candidate: usize| {
             let of = |(at, (_, _, channels)): (usize, &(Cause, Form, Vec<bool>))| Named {
@@ -291,7 +317,6 @@ fn refine(
             named[place].1 = offered[best].1;
         }
     }
-    Ok(())
 }
 
 /// ln of the odds of the set with and without each of some parts of it, less the most that they lose where the answer to the
@@ -299,13 +324,13 @@ fn refine(
 fn gains(
     problem: &Problem,
     named: &[(Cause, Form, Vec<bool>)],
-    noises: &[noises::Form],
+    noises: &[Filter],
     causes: usize,
     count: &dyn Fn(Cause) -> usize,
     parts: &[Vec<usize>],
-) -> Result<Vec<f64>, Error> {
+) -> Vec<f64> {
     if named.is_empty() {
-        return Ok(Vec::new());
+        return Vec::new();
     }
     let offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
     let all: Vec<Named> = named
@@ -318,16 +343,16 @@ fn gains(
     };
     let gain = |search: &Search<'_>, out: &Vec<usize>| search.evidence(&all) - search.evidence(&without(out));
     let stack = Stack::of(problem, &offered);
-    let made = products(&problem.time_s, &stack, noises)?;
+    let made = products(&stack, noises);
     let search = Search::new(&stack, &made, problem.rows(), causes, count);
     let mut gains: Vec<f64> = parts.iter().map(|out| gain(&search, out)).collect();
     if problem.noisy == 0 {
-        return Ok(gains);
+        return gains;
     }
     let plain = problem.plain();
     let mut stack = Stack::of(&plain, &offered);
     stack.shade(&plain);
-    let made = products(&plain.time_s, &stack, noises)?;
+    let made = products(&stack, noises);
     let search = Search::new(&stack, &made, problem.rows(), causes, count);
     let free: Vec<f64> = parts.iter().map(|out| gain(&search, out)).collect();
     let mut lost = vec![0.0_f64; parts.len()];
@@ -343,5 +368,5 @@ fn gains(
         }
     }
     gains.iter_mut().zip(lost).for_each(|(gain, lost)| *gain -= lost);
-    Ok(gains)
+    gains
 }

@@ -1,4 +1,6 @@
 use crate::Process;
+use pulp::{Arch, NullaryFnOnce};
+use std::array::from_fn;
 
 /// Columns that are whitened side by side.
 pub const LANES: usize = 8;
@@ -12,18 +14,20 @@ const STEADY: f64 = 1e-11;
 #[derive(Debug)]
 pub struct Gain {
     /// φ and g of each process, for the step to the next row.
-    pub processes: Vec<(f64, f64)>,
+    pub kept: Vec<f64>,
+    pub gains: Vec<f64>,
     pub inverse: f64,
     pub variance: f64,
 }
 
 impl Clone for Gain {
     fn clone(&self) -> Self {
-        Self { processes: self.processes.clone(), ..*self }
+        Self { kept: self.kept.clone(), gains: self.gains.clone(), ..*self }
     }
 
     fn clone_from(&mut self, other: &Self) {
-        self.processes.clone_from(&other.processes);
+        self.kept.clone_from(&other.kept);
+        self.gains.clone_from(&other.gains);
         (self.inverse, self.variance) = (other.inverse, other.variance);
     }
 }
@@ -85,8 +89,7 @@ pub struct Filter<'a> {
     covariance: Vec<f64>,
     /// Its sums over rows: M.
     sums: Vec<f64>,
-    /// φ and s² (1 − φ²) for the step of the row before.
-    kept: Vec<f64>,
+    /// s² (1 − φ²) for the step of the row before.
     added: Vec<f64>,
     step_s: f64,
     steady: bool,
@@ -107,16 +110,15 @@ impl<'a> Filter<'a> {
             white,
             covariance,
             sums: vec![0.0; states],
-            kept: vec![1.0; states],
             added: vec![0.0; states],
             step_s: f64::NAN,
             steady: false,
-            gain: Gain { processes: vec![(0.0, 0.0); states], inverse: 0.0, variance: 0.0 },
+            gain: Gain { kept: vec![1.0; states], gains: vec![0.0; states], inverse: 0.0, variance: 0.0 },
         }
     }
 
     pub fn states(&self) -> usize {
-        self.kept.len()
+        self.added.len()
     }
 
     /// Goes on by a row, to the next one `step_s` later; whether the gain is another one than that of the row
@@ -137,19 +139,20 @@ impl<'a> Filter<'a> {
         let variance = self.sums.iter().sum::<f64>().max(0.0) + self.white;
         let inverse = 1.0 / variance;
         let (mut largest, mut change) = (0f64, 0f64);
-        for ((gain, kept), sum) in self.gain.processes.iter_mut().zip(&self.kept).zip(&self.sums) {
+        for ((gain, kept), sum) in self.gain.gains.iter_mut().zip(&self.gain.kept).zip(&self.sums) {
             let new = kept * sum * inverse;
             largest = largest.max(new.abs());
-            change = change.max((new - gain.1).abs());
-            *gain = (*kept, new);
+            change = change.max((new - *gain).abs());
+            *gain = new;
         }
         let settled = (variance - self.gain.variance).abs() <= STEADY * variance;
         self.steady = same && settled && change <= STEADY * largest;
         self.gain.variance = variance;
         self.gain.inverse = inverse.sqrt();
+        let all_kept = &self.gain.kept;
         for (i, row) in self.covariance.chunks_exact_mut(states.max(1)).enumerate() {
-            let (own, sum) = (self.kept[i], self.sums[i]);
-            for ((value, kept), other) in row.iter_mut().zip(&self.kept).zip(&self.sums) {
+            let (own, sum) = (all_kept[i], self.sums[i]);
+            for ((value, kept), other) in row.iter_mut().zip(all_kept).zip(&self.sums) {
                 *value = own * kept * (*value - sum * other * inverse);
             }
             row[i] += self.added[i];
@@ -159,7 +162,7 @@ impl<'a> Filter<'a> {
 
     fn move_by(&mut self, step_s: f64) {
         self.step_s = step_s;
-        let room = self.kept.iter_mut().zip(&mut self.added);
+        let room = self.gain.kept.iter_mut().zip(&mut self.added);
         for ((kept, added), process) in room.zip(self.processes) {
             let product = process.rate_per_s * step_s;
             (*kept, *added) = ((-product).exp(), -process.variance_nt2 * (-2.0 * product).exp_m1());
@@ -178,25 +181,58 @@ pub struct States {
     /// Their sums: what the next readings are expected to be.
     sums: [f64; LANES],
     /// None of the readings so far was other than zero.
-    pub zero: bool,
+    zero: bool,
+    /// The rows that are whitened now.
+    rows: Vec<[f64; LANES]>,
 }
 
 impl States {
     pub fn new(states: usize) -> Self {
-        Self { states: vec![[0.0; LANES]; states], sums: [0.0; LANES], zero: true }
+        Self { states: vec![[0.0; LANES]; states], sums: [0.0; LANES], zero: true, rows: Vec::new() }
     }
 
-    /// Puts the whitened readings of one row in the place of the readings.
-    pub fn row(&mut self, readings: &mut [f64; LANES], gain: &Gain) {
-        let innovations: [f64; LANES] = std::array::from_fn(|lane| readings[lane] - self.sums[lane]);
-        *readings = innovations.map(|innovation| innovation * gain.inverse);
-        let mut sums = [0.0; LANES];
-        for (state, (kept, gain)) in self.states.iter_mut().zip(&gain.processes) {
-            let next: [f64; LANES] =
-                std::array::from_fn(|lane| kept * state[lane] + gain * innovations[lane]);
-            *state = next;
-            sums = std::array::from_fn(|lane| sums[lane] + next[lane]);
+    /// Whitens the next rows of at most as many columns as there are lanes.
+    pub fn whiten(&mut self, columns: &mut [&mut [f64]], gains: &Gains) {
+        self.zero &= columns.iter().all(|column| column.iter().all(|reading| *reading == 0.0));
+        if self.zero {
+            return;
         }
-        self.sums = sums;
+        let count = columns.first().map_or(0, |column| column.len());
+        self.rows.resize(count, [0.0; LANES]);
+        for (lane, column) in columns.iter().enumerate() {
+            self.rows.iter_mut().zip(column.iter()).for_each(|(row, reading)| row[lane] = *reading);
+        }
+        Arch::new().dispatch(Rows { states: self, gains });
+        for (lane, column) in columns.iter_mut().enumerate() {
+            self.rows.iter().zip(column.iter_mut()).for_each(|(row, reading)| *reading = row[lane]);
+        }
+    }
+}
+
+/// The rows of some states, whitened by the widest registers of the machine; the operations are the same on each.
+struct Rows<'a> {
+    states: &'a mut States,
+    gains: &'a Gains,
+}
+
+impl NullaryFnOnce for Rows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let States { states, sums, rows, .. } = self.states;
+        for (number, row) in rows.iter_mut().enumerate() {
+            let gain = self.gains.of(number);
+            let innovations: [f64; LANES] = from_fn(|lane| row[lane] - sums[lane]);
+            *row = from_fn(|lane| innovations[lane] * gain.inverse);
+            let mut sum = [0.0; LANES];
+            for ((state, kept), gain) in states.iter_mut().zip(&gain.kept).zip(&gain.gains) {
+                let (now, kept, gain) = (*state, *kept, *gain);
+                let next: [f64; LANES] = from_fn(|lane| kept * now[lane] + gain * innovations[lane]);
+                *state = next;
+                sum = from_fn(|lane| sum[lane] + next[lane]);
+            }
+            *sums = sum;
+        }
     }
 }

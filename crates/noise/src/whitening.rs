@@ -10,7 +10,7 @@ use crate::sums::Sums;
 use crate::{NoiseError, Process, flicker, flicker_of};
 
 /// Rows that are whitened at a time.
-const ROWS: usize = 64;
+const ROWS: usize = 256;
 /// Most numbers that are kept of the gains.
 const KEPT: usize = 1 << 22;
 /// Most steps that the longest period may have.
@@ -217,36 +217,38 @@ impl Whitening {
             Some(level) => columns.iter_mut().map(|column| level.known(column.as_mut())).collect(),
             None => Vec::new(),
         };
-        let groups = columns.len().div_ceil(LANES);
-        let count = self.filter().states();
-        let mut states: Vec<States> = (0..groups).map(|_| States::new(count)).collect();
-        let mut readings = [[0.0; LANES]; ROWS];
-        self.by_blocks(|Range { start: from, end: to }, gains| {
+        let mut states = self.states(columns.len());
+        self.by_blocks(|rows, gains| {
             for (group, states) in columns.chunks_mut(LANES).zip(&mut states) {
-                states.zero &= group
-                    .iter_mut()
-                    .all(|column| column.as_mut()[from..to].iter().all(|reading| *reading == 0.0));
-                if states.zero {
-                    continue;
-                }
-                for (lane, column) in group.iter_mut().enumerate() {
-                    for (row, reading) in readings.iter_mut().zip(&column.as_mut()[from..to]) {
-                        row[lane] = *reading;
-                    }
-                }
-                for (number, row) in readings[..to - from].iter_mut().enumerate() {
-                    states.row(row, gains.of(number));
-                }
-                for (lane, column) in group.iter_mut().enumerate() {
-                    for (row, reading) in readings.iter().zip(&mut column.as_mut()[from..to]) {
-                        *reading = row[lane];
-                    }
-                }
+                let mut some: Vec<&mut [f64]> =
+                    group.iter_mut().map(|column| &mut column.as_mut()[rows.clone()]).collect();
+                states.whiten(&mut some, gains);
             }
         });
         if let Some(level) = &self.level {
             columns.iter_mut().zip(known).for_each(|(column, known)| level.add(known, column.as_mut()));
         }
+    }
+
+    /// Columns whitened as by [`Whitening::whiten_all`], without what is known of the mean, so many rows at a time: `each`
+    /// is given these, column after column. Where only their products are needed, no whitened column is kept.
+    pub fn by_rows<C: AsRef<[f64]>>(&self, columns: &[C], mut each: impl FnMut(&[f64])) {
+        let mut states = self.states(columns.len());
+        let mut some = Vec::new();
+        self.by_blocks(|rows, gains| {
+            some.clear();
+            columns.iter().for_each(|column| some.extend_from_slice(&column.as_ref()[rows.clone()]));
+            let mut all: Vec<&mut [f64]> = some.chunks_mut(rows.len()).collect();
+            for (group, states) in all.chunks_mut(LANES).zip(&mut states) {
+                states.whiten(group, gains);
+            }
+            each(&some);
+        });
+    }
+
+    fn states(&self, columns: usize) -> Vec<States> {
+        let count = self.filter().states();
+        (0..columns.div_ceil(LANES)).map(|_| States::new(count)).collect()
     }
 
     /// Whitens columns where readings are independent, and says whether they are.
@@ -287,14 +289,14 @@ impl Whitening {
             for row in (0..self.rows).rev() {
                 let gain = gains[row / ROWS].of(row % ROWS);
                 let mut innovations = [0.0; LANES];
-                for (state, (_, gain)) in states.iter().zip(&gain.processes) {
+                for (state, gain) in states.iter().zip(&gain.gains) {
                     innovations = std::array::from_fn(|lane| innovations[lane] + state[lane] * gain);
                 }
                 for (innovation, column) in innovations.iter_mut().zip(group.iter_mut()) {
                     *innovation += gain.inverse * column.as_mut()[row];
                     column.as_mut()[row] = *innovation;
                 }
-                for (state, (kept, _)) in states.iter_mut().zip(&gain.processes) {
+                for (state, kept) in states.iter_mut().zip(&gain.kept) {
                     *state = std::array::from_fn(|lane| kept * state[lane] - innovations[lane]);
                 }
             }

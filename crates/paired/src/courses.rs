@@ -154,6 +154,11 @@ impl Acting {
     pub fn is_usual(&self) -> bool {
         matches!(self, Self::Late(_) | Self::Given(_))
     }
+
+    /// Whether it is a line.
+    pub fn is_line(&self) -> bool {
+        matches!(self, Self::Line(_))
+    }
 }
 
 /// Sine and cosine along something.

@@ -9,7 +9,7 @@ use crate::courses::{Acting, Given, Sensors};
 use crate::events::{Events, FoundEvent};
 use crate::followed::Follows;
 use crate::look::Shift;
-use crate::prepare::{Prepared, prepare, whole_samples};
+use crate::prepare::{Prepared, coarse_shift, prepare};
 use crate::problem::{Known, problem, squares};
 use crate::striking::striking;
 use crate::{delays, held_out, pauses, segments};
@@ -140,9 +140,16 @@ impl Weighed {
         self.explained.causes.iter().map(of).collect()
     }
 
-    /// The amplitude of a course, where it was chosen.
-    fn amplitude(&self, number: usize) -> Option<&Amplitude> {
-        self.explained.causes.iter().find(|one| one.cause == Cause::Course(number))
+    /// Whether a course was chosen.
+    fn chose(&self, number: usize) -> bool {
+        self.explained.causes.iter().any(|one| one.cause == Cause::Course(number))
+    }
+
+    /// How many lines were chosen.
+    fn lines(&self) -> usize {
+        (0..self.acting.len())
+            .filter(|number| self.acting[*number].0.is_line() && self.chose(*number))
+            .count()
     }
 
     /// What courses contribute to each channel is added so many times to a pair.
@@ -207,7 +214,7 @@ impl Found {
     /// Columns, then clocks and events in what they leave, until neither changes.
     fn weigh_and_prepare(&mut self, correct_clock: bool, told: &dyn Fn(&str)) -> Result<(), Error> {
         told("comparing the clocks");
-        self.prepared.shift = whole_samples(&self.recorded)?;
+        self.prepared.shift = coarse_shift(&self.recorded)?;
         let mut before = Vec::new();
         for round in 0..ROUNDS {
             // Disturbed rows are left out first: what a step was taken for may then follow a column.
@@ -241,19 +248,26 @@ impl Found {
         let mut last = Weighed::of(self, known, told)?;
         let mut new = Vec::new();
         for _ in 0..STRIKING {
-            let too_many = self.keep_what_acts(&last);
-            let helped = new.is_empty() || self.acting.iter().any(|one| new.contains(one));
-            new = match self.unrecorded && helped {
-                true => striking(&last.problem, &last.sensors, &last.explained)?,
-                false => Vec::new(),
-            };
+            self.keep_what_acts(&last);
+            if !self.unrecorded || !new.is_empty() && !self.acting.iter().any(|one| new.contains(one)) {
+                break;
+            }
+            let lines = last.lines();
+            new = striking(&last.problem, &last.sensors, &last.explained, LINES + 1 - lines)?;
             new.retain(|(new, _)| {
                 !self.tried.iter().any(|known| known.is_near(new, &last.problem, &last.sensors))
             });
-            if new.is_empty() && !too_many {
+            self.tried.extend(new.iter().map(|(new, _)| *new));
+            // More lines are structure of another kind, and none of them is a name.
+            let is_line = |one: &(Acting, f64)| one.0.is_line();
+            let too_many = lines + new.iter().filter(|one| is_line(one)).count() > LINES;
+            if too_many {
+                new.retain(|one| !is_line(one));
+                self.acting.retain(|one| !is_line(one));
+            }
+            if new.is_empty() && !(too_many && lines > 0) {
                 break;
             }
-            self.tried.extend(new.iter().map(|(new, _)| *new));
             self.acting.extend(new.iter().copied());
             last = Weighed::of(self, known, told)?;
         }
@@ -262,21 +276,13 @@ impl Found {
         Ok(true)
     }
 
-    /// Keeps what is left, and of what was looked for that which was chosen; no lines, where they are too many, which is
-    /// the answer.
-    fn keep_what_acts(&mut self, last: &Weighed) -> bool {
+    /// Keeps what is left, and of what was looked for that which was chosen.
+    fn keep_what_acts(&mut self, last: &Weighed) {
         for (left, own) in self.left.iter_mut().zip(&last.explained.residual) {
             last.rows.iter().zip(own).for_each(|(row, value)| left[*row] = *value);
         }
-        let is_line = |acting: &Acting| matches!(acting, Acting::Line(_));
-        let all = || last.acting.iter().enumerate();
-        let chosen = |number: usize| last.amplitude(number).is_some();
-        let too_many = all().filter(|(number, one)| is_line(&one.0) && chosen(*number)).count() > LINES;
-        let stays = |(number, one): &(usize, &(Acting, f64))| {
-            one.0.is_usual() || chosen(*number) && !(too_many && is_line(&one.0))
-        };
-        self.acting = all().filter(stays).map(|(_, one)| *one).collect();
-        too_many
+        let stays = |(number, one): &(usize, &(Acting, f64))| one.0.is_usual() || last.chose(*number);
+        self.acting = last.acting.iter().enumerate().filter(stays).map(|(_, one)| *one).collect();
     }
 
     /// Finds clocks and events in what the columns leave.
@@ -292,7 +298,7 @@ impl Found {
         let segments = segments::find(&mut self.raw)?;
         (self.recorded.segments, self.recorded.boundaries) =
             (self.raw.segments.clone(), self.raw.boundaries.clone());
-        self.prepared = prepare(&self.raw, correct_clock)?;
+        self.prepared = prepare(&self.raw, self.prepared.shift, correct_clock)?;
         if let Some(clock) = &mut self.prepared.clock {
             segments.write(clock);
         }
@@ -353,7 +359,7 @@ impl Clock {
     fn of(prepared: &Prepared, problem: &Problem) -> Option<Self> {
         let clock = prepared.clock.as_ref()?;
         let square = |of: &Quantity| of.std().map_or(0.0, |std| (of.value() / std).powi(2));
-        let odds = |of: &Quantity| explain::odds(square(of), problem.rows(), problem.causes().len());
+        let odds = |of: &Quantity| explain::odds(&[square(of)], 1, problem.rows(), problem.causes().len());
         let gain = odds(&clock.offset_s).max(odds(&clock.rate_ppm));
         let per_second = |of: &Quantity| Quantity::new(1e-6 * of.value(), 1e-6 * of.std().unwrap_or(0.0));
         (gain > 0.0).then(|| Self {

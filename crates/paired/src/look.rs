@@ -1,16 +1,18 @@
 //! The clock of the test instrument against the reference's.
 
+mod coarse;
 mod columns;
 
 use common::{ClockDifference, Quantity};
+use estimate::events;
 use estimate::resample::{PASSBAND, resample};
 use estimate::spectral::{self, Transform, Transformer, WeightedFit};
-use estimate::{events, lag, stats};
 use faer::Mat;
 
 use crate::noise::Noise;
 use crate::residual::rest;
 use crate::{Error, TOLD_BELOW, axes};
+pub use coarse::GAIN;
 pub use columns::seen_rate;
 use columns::{beside, clock_columns, rate, turned};
 use joined::Pair;
@@ -21,13 +23,6 @@ use std::ops::Range;
 const ROUNDS: usize = 2;
 /// Columns of a look before the reference's: offset and rate.
 const CLOCK: usize = 2;
-/// Largest offset that is searched, as a share of the recording's length.
-const REACH: f64 = 0.1;
-/// Changes from row to row that are so many times their median count as much: a spike of one instrument has
-/// no lag.
-const LARGEST_CHANGE: f64 = 8.0;
-/// A lag must explain more than none does by this χ², and leave so much less.
-pub const GAIN: f64 = 50.0;
 
 /// How late the test instrument's times are: offset + rate × time from the middle of a segment between jumps
 /// of the times.
@@ -272,77 +267,6 @@ impl Look {
         let left = rest(beside(pair), &pair.test[axis], &self.axes[axis].coefficients[CLOCK..]);
         Parts { late, turned, left }
     }
-
-    /// What is left of each axis, limited.
-    fn limited_left(&self, pair: &Pair, whole: &[bool]) -> Vec<Vec<f64>> {
-        let limited = |left: Vec<f64>| limited(&left, whole, usual(&left, whole));
-        self.left(pair, pair).into_iter().map(limited).collect()
-    }
-
-    /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here
-    /// only what is left is limited: a sudden change of the field that was limited in both instruments may
-    /// seem to lag where it does not.
-    pub fn gain(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<f64, Error> {
-        let whole: Vec<bool> = pair.whole.iter().zip(&moved_pair.whole).map(|(a, b)| *a && *b).collect();
-        let mut gain = 0.0;
-        let here = self.limited_left(pair, &whole);
-        for (here, there) in here.into_iter().zip(moved.limited_left(moved_pair, &whole)) {
-            let noise = Noise::seen(&here, pair)?;
-            let [here, there] = [here, there].map(|left| {
-                // It explains all of itself.
-                lag::explained(std::slice::from_ref(&left), &left, pair.step_s, &|f| noise.density(f), 0)
-            });
-            gain += here?[0] - there?[0];
-        }
-        Ok(gain)
-    }
-
-    /// An offset of at least one sample, where the two instruments' changes match far better with it: the lag
-    /// of the largest likelihood, s.
-    pub fn coarse_offset_s(&self, pair: &Pair) -> Result<Option<f64>, Error> {
-        let reach = (REACH * pair.whole.len() as f64) as usize;
-        let mut gains = vec![0.0; 2 * reach + 1];
-        // One limit for all: a change of the field that is cut at another height in the other instrument
-        // would seem to come at another time.
-        let columns = pair.reference.iter().chain(&pair.test);
-        let most = columns.map(|column| usual(column, &pair.whole)).fold(0.0, f64::max);
-        let reference = pair.reference.each_ref().map(|column| limited(column, &pair.whole, most));
-        for (test, left) in pair.test.iter().zip(self.limited_left(pair, &pair.whole)) {
-            // A sudden change at the wrong time would be most of the noise.
-            let noise = Noise::seen(&left, pair)?;
-            let density = |f: f64| noise.density(f);
-            let of_axis =
-                lag::explained(&reference, &limited(test, &pair.whole, most), pair.step_s, &density, reach)?;
-            gains.iter_mut().zip(of_axis).for_each(|(sum, gain)| *sum += gain);
-        }
-        let best =
-            (0..gains.len()).fold(reach, |best, lag| if gains[lag] > gains[best] { lag } else { best });
-        let found = gains[best] - gains[reach] > GAIN;
-        Ok(found.then_some((best as f64 - reach as f64) * pair.step_s))
-    }
-}
-
-/// How much a series may change from row to row and be taken as it is.
-fn usual(values: &[f64], whole: &[bool]) -> f64 {
-    let known = (1..values.len()).filter(|row| whole[row - 1] && whole[*row]);
-    LARGEST_CHANGE
-        * stats::median(&known.map(|row| (values[row] - values[row - 1]).abs()).collect::<Vec<_>>())
-}
-
-/// A series whose changes are limited: spikes and steps are still in it when a lag is looked for. Beside rows
-/// that are not whole it does not change.
-fn limited(values: &[f64], whole: &[bool], most: f64) -> Vec<f64> {
-    if most == 0.0 {
-        return values.to_vec();
-    }
-    let mut level = 0.0;
-    let sums = (1..values.len()).map(|row| {
-        if whole[row - 1] && whole[row] {
-            level += (values[row] - values[row - 1]).clamp(-most, most);
-        }
-        level
-    });
-    std::iter::once(0.0).chain(sums).collect()
 }
 
 /// Adds one axis' knowledge of offset and rate, all its other unknowns free.

@@ -25,12 +25,13 @@ pub struct Prepared {
     pub shift: Shift,
 }
 
-/// Finds the clocks' difference and the events, each with the other taken out, until neither changes.
+/// Finds the clocks' difference, from a known one on, and the events, each with the other taken out, until neither
+/// changes.
 ///
 /// Steps and spikes are looked for in the test instrument's own rows, with the reference moved to its
 /// moments: so a sudden change of the field is in both, and no filter spreads a spike of the test instrument.
-pub fn prepare(raw: &Pair, correct_clock: bool) -> Result<Prepared, Error> {
-    let (mut shift, mut events) = (Shift::default(), Events::default());
+pub fn prepare(raw: &Pair, known: Shift, correct_clock: bool) -> Result<Prepared, Error> {
+    let (mut shift, mut events) = (known, Events::default());
     let (mut clock, mut last) = (None, None::<Look>);
     let mut searched = None::<Shift>;
     // What was found before by these clocks: an event may come and go by turns.
@@ -88,24 +89,30 @@ fn standing(raw: &Pair, shift: Shift, found: Events) -> Result<Events, Error> {
     Ok(events::standing(left, &raw.frame(), &look, &found))
 }
 
-/// A shift by whole samples with which the instruments match far better than with the one they have.
+/// A shift by many samples with which the instruments match far better than with the one they have.
 fn coarse(
     raw: &Pair,
     events: &Events,
     shift: Shift,
     (look, together): (&Look, &Pair),
 ) -> Result<Option<Shift>, Error> {
-    let Some(offset_s) = look.coarse_offset_s(together)? else { return Ok(None) };
-    let moved = Shift { offset_s: shift.offset_s + offset_s, ..shift };
+    let Some(by) = look.coarse(together)? else { return Ok(None) };
+    let moved = Shift { offset_s: shift.offset_s + by.offset_s, rate: shift.rate + by.rate };
     let there = aligned(events.taken_out(raw, moved), moved, Moved::Reference);
     let better = look.gain(together, &look::look(&there)?, &there)? > look::GAIN;
     Ok(better.then_some(moved))
 }
 
-/// How late the test instrument is in whole samples, before anything else is known.
-pub fn whole_samples(raw: &Pair) -> Result<Shift, Error> {
-    let look = look::look(raw)?;
-    Ok(coarse(raw, &Events::default(), Shift::default(), (&look, raw))?.unwrap_or_default())
+/// How late the test instrument is where that is many samples, before anything else is known.
+pub fn coarse_shift(raw: &Pair) -> Result<Shift, Error> {
+    let mut shift = Shift::default();
+    for _ in 0..ROUNDS {
+        let together = aligned(raw.clone(), shift, Moved::Reference);
+        let look = look::look(&together)?;
+        let Some(moved) = coarse(raw, &Events::default(), shift, (&look, &together))? else { break };
+        shift = moved;
+    }
+    Ok(shift)
 }
 
 impl Prepared {

@@ -6,6 +6,7 @@ use common::number::{bare, p_value, signed, significant, uncertain};
 use common::{ClockDifference, ClockJump, ClockSegment, JumpVerdict, Quantity};
 
 use crate::delays;
+use crate::look::Shift;
 use crate::prepare::prepare;
 use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW};
@@ -104,7 +105,7 @@ pub fn own(part: &Pair) -> Result<Option<ClockDifference>, Error> {
         return Ok(None);
     }
     let clock = || {
-        let mut prepared = prepare(part, false)?;
+        let mut prepared = prepare(part, Shift::default(), false)?;
         delays::judge(part, &mut prepared)?;
         Ok(prepared.clock)
     };

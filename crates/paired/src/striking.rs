@@ -59,8 +59,8 @@ impl<'a> Left<'a> {
     }
 }
 
-/// A line, and what repeats along the reading in which most does, each with the number of alike ones among which it was
-/// found.
+/// Lines, at most so many, and what repeats along the reading in which most does, each with the number of alike ones
+/// among which it was found.
 ///
 /// # Errors
 ///
@@ -69,21 +69,29 @@ pub fn striking(
     problem: &Problem,
     sensors: &Sensors,
     explained: &Explained,
+    most_lines: usize,
 ) -> Result<Vec<(Acting, f64)>, Error> {
     let all = (0..problem.channels.len()).map(|channel| Left::of(problem, explained, channel));
-    let Some(all) = all.collect::<Result<Option<Vec<Left<'_>>>, Error>>()? else { return Ok(Vec::new()) };
-    let mut found: Vec<(Acting, f64)> = line(problem, &all).into_iter().collect();
+    let Some(mut all) = all.collect::<Result<Option<Vec<Left<'_>>>, Error>>()? else { return Ok(Vec::new()) };
+    let mut found: Vec<(Acting, f64)> = Vec::new();
     let codes = (0..sensors.count()).filter_map(|sensor| {
         let along = sensors.predicted(problem, sensor, &explained.residual);
         codes(sensors, sensor, &along, &all[sensors.channel(sensor).unwrap_or(0)])
     });
     found.extend(codes.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, codes)| codes).unwrap_or_default());
+    // Each line beside those before it.
+    for _ in 0..most_lines {
+        let Some((frequency, looks)) = line(problem, &all) else { break };
+        found.push((Acting::Line(frequency), looks));
+        let waves = basis(waves(&problem.time_s, frequency).into_iter());
+        all.iter_mut().for_each(|of| waves.iter().for_each(|wave| without(&mut of.white, wave)));
+    }
     Ok(found)
 }
 
 /// The strongest line that is neither a share of the field, as noise of the reference leaves one, in its phase, nor a part
 /// of something that is known and has more of it.
-fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(Acting, f64)> {
+fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(f64, f64)> {
     let (step_s, length_s) = (problem.step_s(), problem.length_s());
     let weight = 2.0 / problem.rows() as f64;
     let series: Vec<Series<'_>> =
@@ -91,7 +99,6 @@ fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(Acting, f64)> {
     let points = (2 * OVERSAMPLED * (length_s / step_s) as usize).next_power_of_two();
     let found = strongest(&series, 0.5 * step_s, points, (CYCLES / length_s, 0.5 / step_s))?;
     let looks = found.band * length_s;
-    let shows = |gain: f64, freedom: usize| looks * stats::chi_squared_p(gain, freedom as f64) < BY_CHANCE;
     let waves = waves(&problem.time_s, found.frequency);
     let size = |[sine, cosine]: [f64; 2]| sine.hypot(cosine);
     let own = |of: &Left<'_>| waves.each_ref().map(|wave| dot(wave, &of.white));
@@ -104,9 +111,11 @@ fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(Acting, f64)> {
         .sum();
     let most = all.iter().max_by(|a, b| size(own(a)).total_cmp(&size(own(b))))?;
     let less = |series: &[f64]| size(most.wave_of(&waves, series)) < size(own(most));
-    let own_line =
-        (shows(quadrature, all.len()) || less(&most.read)) && most.parts.iter().all(|part| less(part));
-    (shows(found.power, 2 * all.len()) && own_line).then_some((Acting::Line(found.frequency), looks))
+    let by_chance = looks * stats::chi_squared_p(quadrature, all.len() as f64);
+    let own_line = (by_chance < BY_CHANCE || less(&most.read)) && most.parts.iter().all(|part| less(part));
+    let powers: Vec<f64> = all.iter().map(|of| weight * size(own(of)).powi(2)).collect();
+    let odds = explain::odds(&powers, 2, problem.rows(), problem.causes().len()) - looks.ln();
+    (odds > 0.0 && own_line).then_some((found.frequency, looks))
 }
 
 /// What repeats along a sensor's reading: by how much it lowers the sum of squares, and what it may be.
@@ -166,17 +175,25 @@ fn repeats(along: &[f64], left: &[f64], y: &[f64]) -> Option<Strongest> {
 
 /// By how much columns lower the sum of squares of white readings.
 fn explained(columns: impl Iterator<Item = Vec<f64>>, y: &[f64]) -> f64 {
+    basis(columns).iter().map(|one| dot(one, y).powi(2)).sum()
+}
+
+/// Orthonormal columns that span some.
+fn basis(columns: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for mut column in columns {
-        for known in &basis {
-            let part = dot(known, &column);
-            column.iter_mut().zip(known).for_each(|(value, known)| *value -= part * known);
-        }
+        basis.iter().for_each(|known| without(&mut column, known));
         let size = dot(&column, &column).sqrt();
         if size > 0.0 {
             column.iter_mut().for_each(|value| *value /= size);
             basis.push(column);
         }
     }
-    basis.iter().map(|one| dot(one, y).powi(2)).sum()
+    basis
+}
+
+/// Takes what is along a column of length one out of a series.
+fn without(series: &mut [f64], column: &[f64]) {
+    let part = dot(column, series);
+    series.iter_mut().zip(column).for_each(|(value, along)| *value -= part * along);
 }
