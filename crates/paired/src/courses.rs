@@ -1,11 +1,13 @@
-//! What acts on a pair without having been recorded: a sensor that answers late, a line, codes that are coarse or uneven.
-//! Each is a course of the engine at the rows of a problem. `striking` looks for lines and codes.
+//! What acts on a pair without having been recorded: a sensor that answers late, a line, a step, codes that are coarse or
+//! uneven. Each is a course of the engine at the rows of a problem. `striking` looks for all but the first.
 
 use explain::{Course, Problem, Term, sampled};
 use std::f64::consts::TAU;
 
 use crate::problem::along;
 
+/// Steps so near, as a share of the length, are one.
+const NEAR: f64 = 0.01;
 /// Harmonics of uneven codes.
 const HARMONICS: usize = 5;
 
@@ -21,6 +23,8 @@ pub enum Acting {
     Coarse(usize, f64),
     /// A sensor's codes are uneven with a period.
     Uneven(usize, Uneven),
+    /// The level changes at a time, s.
+    Step(f64),
     /// What was given with this number.
     Given(usize),
 }
@@ -93,6 +97,14 @@ impl Sensors {
         Term::Tied(self.shows[sensor].iter().map(of).collect())
     }
 
+    /// The field in the sensor of a channel; beside a magnitude what is read but for what is left.
+    pub fn seen(&self, problem: &Problem, channel: usize, left: &[f64]) -> Vec<f64> {
+        match self.channel(channel) {
+            Some(_) => self.fields[channel].clone(),
+            None => problem.channels[channel].iter().zip(left).map(|(y, left)| y - left).collect(),
+        }
+    }
+
     /// What a sensor reads but for what is left.
     pub fn predicted(&self, problem: &Problem, sensor: usize, left: &[Vec<f64>]) -> Vec<f64> {
         match self.channel(sensor) {
@@ -121,6 +133,10 @@ impl Acting {
                     |values: &Vec<f64>| vec![Term::Alike(sampled(time_s, values, &problem.time_s, false))];
                 shapes.iter().map(at).collect()
             }
+            Self::Step(at_s) => {
+                let after = |t: &f64| f64::from(u8::from(*t >= at_s));
+                vec![vec![Term::Alike(problem.time_s.iter().map(after).collect())]]
+            }
             Self::Line(hz) => vec![waves(&problem.time_s, hz).map(Term::Alike).to_vec()],
             Self::Coarse(sensor, width_nt) => {
                 let error = coarse(&sensors.predicted(problem, sensor, left), width_nt);
@@ -141,6 +157,7 @@ impl Acting {
     pub fn is_near(&self, other: &Self, problem: &Problem, sensors: &Sensors) -> bool {
         match (*self, *other) {
             (Self::Line(a), Self::Line(b)) => (a - b).abs() * problem.length_s() < 1.0,
+            (Self::Step(a), Self::Step(b)) => (a - b).abs() < NEAR * problem.length_s(),
             (Self::Coarse(own, a), Self::Coarse(sensor, b))
             | (
                 Self::Uneven(own, Uneven { period_nt: a, .. }),
@@ -153,11 +170,6 @@ impl Acting {
     /// Whether it is weighed in any case.
     pub fn is_usual(&self) -> bool {
         matches!(self, Self::Late(_) | Self::Given(_))
-    }
-
-    /// Whether it is a line.
-    pub fn is_line(&self) -> bool {
-        matches!(self, Self::Line(_))
     }
 }
 

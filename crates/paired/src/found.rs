@@ -1,8 +1,9 @@
 //! From a pair to what its difference follows, its clocks and its events: columns first, until nothing changes.
 
 use common::{ClockDifference, EventInstrument, HeldOutPrediction, Quantity};
-use explain::{Amplitude, Cause, Covariate, Explained, Form, Problem, explain};
+use explain::{Amplitude, Cause, Covariate, Explained, Form, Problem, Step, explain};
 use joined::Pair;
+use std::mem::discriminant;
 
 use crate::Error;
 use crate::courses::{Acting, Given, Sensors};
@@ -20,8 +21,8 @@ pub const LEAST: usize = 32;
 const ROUNDS: usize = 5;
 /// Rounds of what is striking in what is left.
 const STRIKING: usize = 6;
-/// More lines than these are structure of another kind.
-const LINES: usize = 3;
+/// More lines or more steps than these are structure of another kind.
+const FEW: usize = 3;
 
 /// What a pair's difference follows, and the pair without it.
 pub struct Found {
@@ -145,11 +146,10 @@ impl Weighed {
         self.explained.causes.iter().any(|one| one.cause == Cause::Course(number))
     }
 
-    /// How many lines were chosen.
-    fn lines(&self) -> usize {
-        (0..self.acting.len())
-            .filter(|number| self.acting[*number].0.is_line() && self.chose(*number))
-            .count()
+    /// How many like one were chosen.
+    fn chosen(&self, like: Acting) -> usize {
+        let is_like = |number: &usize| discriminant(&self.acting[*number].0) == discriminant(&like);
+        (0..self.acting.len()).filter(|number| is_like(number) && self.chose(*number)).count()
     }
 
     /// What courses contribute to each channel is added so many times to a pair.
@@ -252,20 +252,23 @@ impl Found {
             if !self.unrecorded || !new.is_empty() && !self.acting.iter().any(|one| new.contains(one)) {
                 break;
             }
-            let lines = last.lines();
-            new = striking(&last.problem, &last.sensors, &last.explained, LINES + 1 - lines)?;
+            new = striking(&last.problem, &last.sensors, &last.explained, FEW + 1)?;
             new.retain(|(new, _)| {
                 !self.tried.iter().any(|known| known.is_near(new, &last.problem, &last.sensors))
             });
             self.tried.extend(new.iter().map(|(new, _)| *new));
-            // More lines are structure of another kind, and none of them is a name.
-            let is_line = |one: &(Acting, f64)| one.0.is_line();
-            let too_many = lines + new.iter().filter(|one| is_line(one)).count() > LINES;
-            if too_many {
-                new.retain(|one| !is_line(one));
-                self.acting.retain(|one| !is_line(one));
+            // Where they are more none of them is a name.
+            let mut fewer = false;
+            for like in [Acting::Line(0.0), Acting::Step(0.0)] {
+                let is_like = |one: &(Acting, f64)| discriminant(&one.0) == discriminant(&like);
+                let known = last.chosen(like);
+                if known + new.iter().filter(|one| is_like(one)).count() > FEW {
+                    new.retain(|one| !is_like(one));
+                    self.acting.retain(|one| !is_like(one));
+                    fewer |= known > 0;
+                }
             }
-            if new.is_empty() && !(too_many && lines > 0) {
+            if new.is_empty() && !fewer {
                 break;
             }
             self.acting.extend(new.iter().copied());
@@ -332,6 +335,7 @@ impl Found {
         };
         let clock = Clock::of(&self.prepared, &problem);
         explained.without(Cause::Clock);
+        tell_steps_apart(&mut explained, &acting, &problem);
         let disturbed = self.prepared.events.disturbances().found;
         // Beside a magnitude the sensors are the reference, and one of them or the magnitude may be off.
         let own = |event: &FoundEvent| {
@@ -352,6 +356,22 @@ impl Found {
             unmoved: rms,
         })
     }
+}
+
+/// Steps among the courses stand with those of the base.
+fn tell_steps_apart(explained: &mut Explained, acting: &[(Acting, f64)], problem: &Problem) {
+    for (number, (acting, _)) in acting.iter().enumerate() {
+        let (Acting::Step(at_s), cause) = (acting, Cause::Course(number)) else { continue };
+        let Some(one) = explained.causes.iter().find(|one| one.cause == cause) else { continue };
+        let size = |own: &Vec<Quantity>| {
+            own.first().map_or((0.0, 0.0), |size| (size.value(), size.std().unwrap_or(0.0)))
+        };
+        let sizes = one.channels.iter().map(size).collect();
+        let row = problem.time_s.partition_point(|t| t < at_s);
+        explained.steps.push(Step { row, sizes });
+        explained.without(cause);
+    }
+    explained.steps.sort_by_key(|step| step.row);
 }
 
 impl Clock {

@@ -5,8 +5,8 @@
 //! rows and beside the steps, until neither changes. Readings that a recorded column explains are never left out.
 //!
 //! - `problem` makes a problem of a pair for the engine. `followed` has what it says of a column.
-//! - `courses` has what acts without having been recorded: sensors that answer late, lines, codes. `striking` looks for
-//!   lines and codes.
+//! - `courses` has what acts without having been recorded: sensors that answer late, lines, steps, codes. `striking` looks
+//!   for them in what is `left`, `steps` for steps.
 //! - `look` fits all axes under their noise, with the clock's difference. `prepare` alternates between clocks and
 //!   events, each with the other removed; events are sought in the test instrument's own rows, with the reference
 //!   moved to its moments.
@@ -26,6 +26,7 @@ pub mod events;
 pub mod followed;
 mod found;
 mod held_out;
+mod left;
 pub mod look;
 pub mod magnitude;
 pub mod noise;
@@ -36,6 +37,7 @@ mod problem;
 pub mod residual;
 pub mod segments;
 pub mod significance;
+mod steps;
 mod striking;
 
 pub use common::Error;

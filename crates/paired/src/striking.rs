@@ -1,11 +1,12 @@
-//! What is striking in what is left of a pair: a line, and what repeats along a reading.
+//! What is striking in what is left of a pair: lines, steps, and what repeats along a reading.
 
 use estimate::sine::{Series, Strongest, strongest};
 use estimate::{Error, dot, stats};
-use explain::{Explained, Problem, filter};
-use noise::Whitening;
+use explain::{Explained, Problem};
 
 use crate::courses::{Acting, Sensors, Uneven, bit, coarse, range, waves};
+use crate::left::Left;
+use crate::steps::steps;
 
 /// Periods of a line that must have been seen: fewer are a course of the day or of what is repeated.
 const CYCLES: f64 = 10.0;
@@ -25,42 +26,8 @@ const WIDTHS: i32 = 32;
 /// Phases of a bit that are tried.
 const PHASES: i32 = 16;
 
-/// What is left of a channel.
-struct Left<'a> {
-    left: &'a [f64],
-    /// By the filter of its own spectrum, of variance one, and what it was divided by.
-    filter: Whitening,
-    white: Vec<f64>,
-    size: f64,
-    /// What is in the readings, and each part of them that has a cause.
-    read: Vec<f64>,
-    parts: Vec<&'a [f64]>,
-}
-
-impl<'a> Left<'a> {
-    /// None where it is too short for a spectrum.
-    fn of(problem: &Problem, explained: &'a Explained, channel: usize) -> Result<Option<Self>, Error> {
-        let left = &explained.residual[channel];
-        let Some(filter) = filter(&problem.time_s, left, problem.step_s())? else { return Ok(None) };
-        let mut white = filter.whiten(left);
-        let size = (dot(&white, &white) / white.len() as f64).sqrt();
-        white.iter_mut().for_each(|value| *value /= size);
-        let read: Vec<f64> = problem.channels[channel].iter().zip(left).map(|(y, left)| y - left).collect();
-        let middle = stats::mean(&read);
-        let read = read.iter().map(|value| value - middle).collect();
-        let parts = explained.contributions.iter().map(|of| of[channel].as_slice()).collect();
-        Ok(Some(Self { left, filter, white, size, read, parts }))
-    }
-
-    /// Sine and cosine parts of a series, whitened in the same way.
-    fn wave_of(&self, waves: &[Vec<f64>; 2], series: &[f64]) -> [f64; 2] {
-        let white = self.filter.whiten(series);
-        waves.each_ref().map(|wave| dot(wave, &white) / self.size)
-    }
-}
-
-/// Lines, at most so many, and what repeats along the reading in which most does, each with the number of alike ones
-/// among which it was found.
+/// Lines and steps, at most so many of each, and what repeats along the reading in which most does, each with the number
+/// of alike ones among which it was found.
 ///
 /// # Errors
 ///
@@ -69,9 +36,9 @@ pub fn striking(
     problem: &Problem,
     sensors: &Sensors,
     explained: &Explained,
-    most_lines: usize,
+    most: usize,
 ) -> Result<Vec<(Acting, f64)>, Error> {
-    let all = (0..problem.channels.len()).map(|channel| Left::of(problem, explained, channel));
+    let all = (0..problem.channels.len()).map(|channel| Left::of(problem, sensors, explained, channel));
     let Some(mut all) = all.collect::<Result<Option<Vec<Left<'_>>>, Error>>()? else { return Ok(Vec::new()) };
     let mut found: Vec<(Acting, f64)> = Vec::new();
     let codes = (0..sensors.count()).filter_map(|sensor| {
@@ -79,8 +46,9 @@ pub fn striking(
         codes(sensors, sensor, &along, &all[sensors.channel(sensor).unwrap_or(0)])
     });
     found.extend(codes.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, codes)| codes).unwrap_or_default());
+    found.extend(steps(problem, &all, most)?);
     // Each line beside those before it.
-    for _ in 0..most_lines {
+    for _ in 0..most {
         let Some((frequency, looks)) = line(problem, &all) else { break };
         found.push((Acting::Line(frequency), looks));
         let waves = basis(waves(&problem.time_s, frequency).into_iter());
@@ -105,14 +73,14 @@ fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(f64, f64)> {
     let quadrature: f64 = all
         .iter()
         .map(|of| {
-            let (own, read) = (own(of), of.wave_of(&waves, &of.read));
-            weight * ((own[0] * read[1] - own[1] * read[0]) / size(read)).powi(2)
+            let (own, field) = (own(of), of.wave_of(&waves, &of.field));
+            weight * ((own[0] * field[1] - own[1] * field[0]) / size(field)).powi(2)
         })
         .sum();
     let most = all.iter().max_by(|a, b| size(own(a)).total_cmp(&size(own(b))))?;
     let less = |series: &[f64]| size(most.wave_of(&waves, series)) < size(own(most));
     let by_chance = looks * stats::chi_squared_p(quadrature, all.len() as f64);
-    let own_line = (by_chance < BY_CHANCE || less(&most.read)) && most.parts.iter().all(|part| less(part));
+    let own_line = (by_chance < BY_CHANCE || less(&most.field)) && most.parts.iter().all(|part| less(part));
     let powers: Vec<f64> = all.iter().map(|of| weight * size(own(of)).powi(2)).collect();
     let odds = explain::odds(&powers, 2, problem.rows(), problem.causes().len()) - looks.ln();
     (odds > 0.0 && own_line).then_some((found.frequency, looks))

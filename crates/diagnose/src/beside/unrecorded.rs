@@ -57,7 +57,7 @@ fn acting(compared: &Compared, cause: Cause) -> Option<Acting> {
 /// The sensor that it is in.
 pub fn sensor(compared: &Compared, cause: Cause) -> Option<Axis> {
     match acting(compared, cause)? {
-        Acting::Line(_) | Acting::Given(_) => None,
+        Acting::Line(_) | Acting::Step(_) | Acting::Given(_) => None,
         Acting::Late(sensor) | Acting::Coarse(sensor, _) | Acting::Uneven(sensor, _) => {
             Some(Axis::ALL[sensor])
         }
@@ -71,6 +71,7 @@ pub fn kind(compared: &Compared, cause: Cause) -> Option<Kind> {
         Acting::Line(hz) => line(compared, hz).0,
         Acting::Coarse(..) => Kind::Quantisation,
         Acting::Given(_) => Kind::WorkingHours,
+        Acting::Step(_) => Kind::ReadingStep,
         // Coarse codes repeat along the reading too.
         Acting::Uneven(sensor, uneven) if compared.is_coarse(sensor, uneven) => Kind::Quantisation,
         Acting::Uneven(..) => Kind::DifferentialNonlinearity,
@@ -139,7 +140,8 @@ pub fn parameters(compared: &Compared, one: &Amplitude) -> IndexMap<String, Quan
             }
             all.insert("period_nt".into(), Quantity::Bare(uneven.period_nt))
         }
-        None => None,
+        // Told apart, with their sizes.
+        Some(Acting::Step(_)) | None => None,
     };
     all
 }

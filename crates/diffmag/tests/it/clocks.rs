@@ -36,6 +36,18 @@ fn then(before: &[Vec<f64>; 3], after: &[Vec<f64>; 3], row: usize) -> [Vec<f64>;
     std::array::from_fn(|axis| [&before[axis][..row], &after[axis][row..]].concat())
 }
 
+/// Sixteen samples from the first row to the last: at neither end does the field's slope show it.
+#[test]
+fn a_clock_that_drifts_by_many_samples() {
+    let (offset_s, rate_ppm) = (-400.0, 800.0);
+    let made = Made { rows: 20_000, offset_s, rate_ppm, ..Made::new(7) };
+    let both = document(vec![made.both("pair", 0..made.rows)]);
+    let found = found(&both, true).fit.expect("a fit").clock.expect("a clock");
+    assert!(off(&found.offset_s, offset_s).abs() < 3.5 && std(&found.offset_s) < 0.1, "{found:?}");
+    assert!(off(&found.rate_ppm, rate_ppm).abs() < 3.5 && std(&found.rate_ppm) < 0.5, "{found:?}");
+    assert!(found.left_rate_ppm.is_none_or(|left| off(&left, 0.0).abs() < 3.5), "{:?}", found.offset_s);
+}
+
 #[test]
 fn times_that_jump_while_the_sampling_goes_on() {
     let made = made(1);
