@@ -27,8 +27,7 @@ pub fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
     mirrored(gram)
 }
 
-/// Adds AᵀA of some more rows of A, whose columns follow each other, to the lower triangle of a sum; whole in the end
-/// by [`mirrored`].
+/// Adds AᵀA of further rows, given column after column, to the lower triangle of `sum`; [`mirrored`] completes it.
 pub fn add_gram(sum: &mut Mat<f64>, columns: &[f64]) {
     let count = sum.ncols();
     if count > 0 {
@@ -56,7 +55,7 @@ fn add_lower(gram: &mut Mat<f64>, a: MatRef<'_, f64>) {
     matmul(gram.as_mut(), lower, Accum::Add, a.transpose(), whole, a, whole, 1.0, Par::Seq);
 }
 
-/// A symmetric matrix of its lower triangle.
+/// Completes a symmetric matrix from its lower triangle.
 pub fn mirrored(mut gram: Mat<f64>) -> Mat<f64> {
     for j in 0..gram.ncols() {
         (0..j).for_each(|i| gram[(i, j)] = gram[(j, i)]);

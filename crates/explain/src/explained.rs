@@ -52,9 +52,16 @@ impl Explained {
             self.probabilities.remove(place);
             self.contributions.remove(place);
         }
-        for set in &mut self.rivals {
+        let mut rivals: Vec<Rival> = Vec::new();
+        for mut set in self.rivals.drain(..) {
             set.causes.retain(|known| *known != cause);
+            match rivals.iter_mut().find(|known| known.causes == set.causes) {
+                Some(known) => known.probability += set.probability,
+                None => rivals.push(set),
+            }
         }
+        rivals.sort_by(|a, b| b.probability.total_cmp(&a.probability));
+        self.rivals = rivals;
     }
 }
 

@@ -22,10 +22,10 @@ const APART: f64 = 2.5;
 const HIGHEST: f64 = 0.4;
 /// Bins of frequency in each octave, rounds of the fit, and unknowns that it costs.
 const BINS: f64 = 6.0;
-/// A process that is nowhere more than this share of a spectrum is left out.
-const SHOWS: f64 = 1e-3;
 const ROUNDS: usize = 300;
 const UNKNOWNS: f64 = 6.0;
+/// A process that is nowhere more than this share of a spectrum is left out.
+const SHOWS: f64 = 1e-3;
 
 /// Noise, up to its scale.
 #[derive(Clone, Debug)]

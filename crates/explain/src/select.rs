@@ -65,7 +65,7 @@ pub fn weigh(problem: &Problem, offered: &[(Cause, Form)]) -> Result<(f64, Vec<A
 }
 
 /// All causes of a problem in the forms that are weighed on all rows, with their products under the laws of noise that
-/// are not out of the question.
+/// remain plausible.
 pub struct Screened<'a> {
     problem: &'a Problem,
     counts: BTreeMap<Cause, usize>,
@@ -84,13 +84,11 @@ impl<'a> Screened<'a> {
     ///
     /// Times out of order.
     pub fn of(problem: &'a Problem) -> Result<Self, Error> {
-        let forms = |cause: &Cause| Form::all(problem, *cause);
-        let causes = problem.causes();
-        let counts: BTreeMap<Cause, usize> =
-            causes.iter().map(|cause| (*cause, forms(cause).len())).collect();
+        let forms = |cause: Cause| Form::all(problem, cause).into_iter().map(move |form| (cause, form));
+        let mut offered: Vec<(Cause, Form)> = problem.causes().into_iter().flat_map(forms).collect();
+        let mut counts: BTreeMap<Cause, usize> = BTreeMap::new();
+        offered.iter().for_each(|(cause, _)| *counts.entry(*cause).or_default() += 1);
         let count = |cause: Cause| counts[&cause];
-        let mut offered: Vec<(Cause, Form)> =
-            causes.iter().flat_map(|cause| forms(cause).into_iter().map(|form| (*cause, form))).collect();
         let mut laws = noises::laws(problem.step_s());
         if problem.rows() > ROWS || offered.len() > AT_ONCE {
             let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
@@ -145,6 +143,9 @@ impl<'a> Screened<'a> {
             if set.named == before.named {
                 break;
             }
+        }
+        if set.named.is_empty() {
+            noises = self.noises.clone();
         }
         let of = |one: &Named| {
             let candidate = &stack.candidates[one.candidate];
@@ -210,8 +211,7 @@ pub fn thinned(rows: usize, most: usize, blocks: usize) -> Vec<usize> {
     (0..blocks).flat_map(|block| from(block)..from(block) + each).collect()
 }
 
-/// The laws of noise that are not out of the question on some of the rows, neither where nothing acts nor beside the
-/// best set.
+/// White noise, and the other laws that are plausible on some of the rows, where nothing acts or beside the best set.
 fn probable(
     thin: &Problem,
     offered: &[(Cause, Form)],
@@ -225,7 +225,8 @@ fn probable(
     let (best, _) = search().best();
     let weights: Vec<Vec<f64>> =
         [&[][..], &best.named].iter().flat_map(|set| search().noise_weights(set)).collect();
-    let is_probable = |(number, _): &(usize, Filter)| weights.iter().any(|own| own[*number] > IMPROBABLE);
+    let is_probable =
+        |(number, _): &(usize, Filter)| *number == 0 || weights.iter().any(|own| own[*number] > IMPROBABLE);
     laws.into_iter().enumerate().filter(is_probable).map(|(_, law)| law.form).collect()
 }
 

@@ -13,8 +13,9 @@ const STEADY: f64 = 1e-11;
 /// deviation 1/`inverse`.
 #[derive(Debug)]
 pub struct Gain {
-    /// φ and g of each process, for the step to the next row.
-    pub kept: Vec<f64>,
+    /// φ of each process, for the step to the next row.
+    pub decays: Vec<f64>,
+    /// g of each process.
     pub gains: Vec<f64>,
     pub inverse: f64,
     pub variance: f64,
@@ -22,11 +23,11 @@ pub struct Gain {
 
 impl Clone for Gain {
     fn clone(&self) -> Self {
-        Self { kept: self.kept.clone(), gains: self.gains.clone(), ..*self }
+        Self { decays: self.decays.clone(), gains: self.gains.clone(), ..*self }
     }
 
     fn clone_from(&mut self, other: &Self) {
-        self.kept.clone_from(&other.kept);
+        self.decays.clone_from(&other.decays);
         self.gains.clone_from(&other.gains);
         (self.inverse, self.variance) = (other.inverse, other.variance);
     }
@@ -113,7 +114,7 @@ impl<'a> Filter<'a> {
             added: vec![0.0; states],
             step_s: f64::NAN,
             steady: false,
-            gain: Gain { kept: vec![1.0; states], gains: vec![0.0; states], inverse: 0.0, variance: 0.0 },
+            gain: Gain { decays: vec![1.0; states], gains: vec![0.0; states], inverse: 0.0, variance: 0.0 },
         }
     }
 
@@ -139,7 +140,7 @@ impl<'a> Filter<'a> {
         let variance = self.sums.iter().sum::<f64>().max(0.0) + self.white;
         let inverse = 1.0 / variance;
         let (mut largest, mut change) = (0f64, 0f64);
-        for ((gain, kept), sum) in self.gain.gains.iter_mut().zip(&self.gain.kept).zip(&self.sums) {
+        for ((gain, kept), sum) in self.gain.gains.iter_mut().zip(&self.gain.decays).zip(&self.sums) {
             let new = kept * sum * inverse;
             largest = largest.max(new.abs());
             change = change.max((new - *gain).abs());
@@ -149,7 +150,7 @@ impl<'a> Filter<'a> {
         self.steady = same && settled && change <= STEADY * largest;
         self.gain.variance = variance;
         self.gain.inverse = inverse.sqrt();
-        let all_kept = &self.gain.kept;
+        let all_kept = &self.gain.decays;
         for (i, row) in self.covariance.chunks_exact_mut(states.max(1)).enumerate() {
             let (own, sum) = (all_kept[i], self.sums[i]);
             for ((value, kept), other) in row.iter_mut().zip(all_kept).zip(&self.sums) {
@@ -162,7 +163,7 @@ impl<'a> Filter<'a> {
 
     fn move_by(&mut self, step_s: f64) {
         self.step_s = step_s;
-        let room = self.gain.kept.iter_mut().zip(&mut self.added);
+        let room = self.gain.decays.iter_mut().zip(&mut self.added);
         for ((kept, added), process) in room.zip(self.processes) {
             let product = process.rate_per_s * step_s;
             (*kept, *added) = ((-product).exp(), -process.variance_nt2 * (-2.0 * product).exp_m1());
@@ -209,7 +210,7 @@ impl States {
     }
 }
 
-/// The rows of some states, whitened by the widest registers of the machine; the operations are the same on each.
+/// The rows of some states, whitened with AVX2 where there is one; the operations are the same without.
 struct Rows<'a> {
     states: &'a mut States,
     gains: &'a Gains,
@@ -226,7 +227,7 @@ impl NullaryFnOnce for Rows<'_> {
             let innovations: [f64; LANES] = from_fn(|lane| row[lane] - sums[lane]);
             *row = from_fn(|lane| innovations[lane] * gain.inverse);
             let mut sum = [0.0; LANES];
-            for ((state, kept), gain) in states.iter_mut().zip(&gain.kept).zip(&gain.gains) {
+            for ((state, kept), gain) in states.iter_mut().zip(&gain.decays).zip(&gain.gains) {
                 let (now, kept, gain) = (*state, *kept, *gain);
                 let next: [f64; LANES] = from_fn(|lane| kept * now[lane] + gain * innovations[lane]);
                 *state = next;

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use common::Noise;
 
-use crate::filter::{EVEN, Filter, Gains, LANES, States};
+use crate::filter::{EVEN, Filter, Gain, Gains, LANES, States};
 use crate::level::Level;
 use crate::sums::Sums;
 use crate::{NoiseError, Process, flicker, flicker_of};
@@ -230,9 +230,12 @@ impl Whitening {
         }
     }
 
-    /// Columns whitened as by [`Whitening::whiten_all`], without what is known of the mean, so many rows at a time: `each`
-    /// is given these, column after column. Where only their products are needed, no whitened column is kept.
+    /// Whitens columns block by block without keeping them. `each` gets the rows of one block, column after column. A known
+    /// mean is ignored.
+    ///
+    /// Panics where a column has another number of rows.
     pub fn by_rows<C: AsRef<[f64]>>(&self, columns: &[C], mut each: impl FnMut(&[f64])) {
+        assert!(columns.iter().all(|column| column.as_ref().len() == self.rows), "rows of a column");
         let mut states = self.states(columns.len());
         let mut some = Vec::new();
         self.by_blocks(|rows, gains| {
@@ -276,18 +279,9 @@ impl Whitening {
         if self.whitens_white(columns) {
             return;
         }
-        let computed;
-        let gains = match self.gains() {
-            Some(gains) => gains,
-            None => {
-                computed = self.computed(usize::MAX).unwrap_or_default();
-                &computed
-            }
-        };
         for group in columns.chunks_mut(LANES) {
             let mut states = vec![[0.0; LANES]; self.filter().states()];
-            for row in (0..self.rows).rev() {
-                let gain = gains[row / ROWS].of(row % ROWS);
+            self.backwards(|row, gain| {
                 let mut innovations = [0.0; LANES];
                 for (state, gain) in states.iter().zip(&gain.gains) {
                     innovations = std::array::from_fn(|lane| innovations[lane] + state[lane] * gain);
@@ -296,11 +290,52 @@ impl Whitening {
                     *innovation += gain.inverse * column.as_mut()[row];
                     column.as_mut()[row] = *innovation;
                 }
-                for (state, kept) in states.iter_mut().zip(&gain.kept) {
-                    *state = std::array::from_fn(|lane| kept * state[lane] - innovations[lane]);
+                for (state, decay) in states.iter_mut().zip(&gain.decays) {
+                    *state = std::array::from_fn(|lane| decay * state[lane] - innovations[lane]);
+                }
+            });
+        }
+    }
+
+    /// sᵀ C⁻¹ s of a step s at each row: one from there on, zero before (1/nT²).
+    ///
+    /// What is left to come of the squares of whitened ones is a quadratic form of the state, aᵀ N a + 2 bᵀ a + c, which a
+    /// step begins with a = 0. With A = diag φ − g 1ᵀ, from the last row to the first: N ← Aᵀ N A + 1 1ᵀ/F,
+    /// b ← Aᵀ (N g + b) − 1/F, c ← c + 2 bᵀ g + gᵀ N g + 1/F.
+    pub fn step_norms(&self) -> Vec<f64> {
+        let states = self.filter().states();
+        let (mut n, mut b, mut c) = (vec![0.0; states * states], vec![0.0; states], 0.0);
+        let mut norms = vec![0.0; self.rows];
+        self.backwards(|row, gain| {
+            let (g, decays) = (&gain.gains, &gain.decays);
+            let inverse = gain.inverse * gain.inverse;
+            let ng: Vec<f64> = n.chunks_exact(states.max(1)).map(|row| dot(row, g)).collect();
+            let (gng, bg) = (dot(g, &ng), dot(&b, g));
+            c += 2.0 * bg + gng + inverse;
+            for i in 0..states {
+                b[i] = decays[i] * (ng[i] + b[i]) - (gng + bg) - inverse;
+                for j in 0..states {
+                    let own = &mut n[i * states + j];
+                    *own =
+                        decays[i] * decays[j] * *own - decays[i] * ng[i] - decays[j] * ng[j] + gng + inverse;
                 }
             }
-        }
+            norms[row] = c;
+        });
+        norms
+    }
+
+    /// Goes through the rows from the last to the first.
+    fn backwards(&self, mut each: impl FnMut(usize, &Gain)) {
+        let computed;
+        let gains = match self.gains() {
+            Some(gains) => gains,
+            None => {
+                computed = self.computed(usize::MAX).unwrap_or_default();
+                &computed
+            }
+        };
+        (0..self.rows).rev().for_each(|row| each(row, gains[row / ROWS].of(row % ROWS)));
     }
 
     /// Σ_j C(s, t_j) v_j of each series v at this noise's times t, at others s: with v = C⁻¹ y the most likely noise
@@ -486,4 +521,8 @@ fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
         *step = typical;
     }
     Ok((steps, typical))
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -101,16 +101,14 @@ impl Sensors {
     pub fn seen(&self, problem: &Problem, channel: usize, left: &[f64]) -> Vec<f64> {
         match self.channel(channel) {
             Some(_) => self.fields[channel].clone(),
-            None => problem.channels[channel].iter().zip(left).map(|(y, left)| y - left).collect(),
+            None => less(&problem.channels[channel], left),
         }
     }
 
     /// What a sensor reads but for what is left.
     pub fn predicted(&self, problem: &Problem, sensor: usize, left: &[Vec<f64>]) -> Vec<f64> {
         match self.channel(sensor) {
-            Some(channel) => {
-                problem.channels[channel].iter().zip(&left[channel]).map(|(y, left)| y - left).collect()
-            }
+            Some(channel) => less(&problem.channels[channel], &left[channel]),
             None => self.fields[sensor].clone(),
         }
     }
@@ -133,11 +131,10 @@ impl Acting {
                     |values: &Vec<f64>| vec![Term::Alike(sampled(time_s, values, &problem.time_s, false))];
                 shapes.iter().map(at).collect()
             }
-            Self::Step(at_s) => {
-                let after = |t: &f64| f64::from(u8::from(*t >= at_s));
-                vec![vec![Term::Alike(problem.time_s.iter().map(after).collect())]]
+            Self::Step(_) | Self::Line(_) => {
+                let columns = self.of_time(&problem.time_s).unwrap_or_default();
+                vec![columns.into_iter().map(Term::Alike).collect()]
             }
-            Self::Line(hz) => vec![waves(&problem.time_s, hz).map(Term::Alike).to_vec()],
             Self::Coarse(sensor, width_nt) => {
                 let error = coarse(&sensors.predicted(problem, sensor, left), width_nt);
                 vec![vec![sensors.shown(sensor, &error)]]
@@ -151,6 +148,15 @@ impl Acting {
             }
         };
         Course { shapes, looks }
+    }
+
+    /// The columns of what is known at any time.
+    pub fn of_time(&self, time_s: &[f64]) -> Option<Vec<Vec<f64>>> {
+        match *self {
+            Self::Step(at_s) => Some(vec![time_s.iter().map(|t| f64::from(u8::from(*t >= at_s))).collect()]),
+            Self::Line(hz) => Some(waves(time_s, hz).to_vec()),
+            _ => None,
+        }
     }
 
     /// Whether both would be found as one over times and fields of such lengths.
@@ -171,6 +177,10 @@ impl Acting {
     pub fn is_usual(&self) -> bool {
         matches!(self, Self::Late(_) | Self::Given(_))
     }
+}
+
+fn less(y: &[f64], left: &[f64]) -> Vec<f64> {
+    y.iter().zip(left).map(|(y, left)| y - left).collect()
 }
 
 /// Sine and cosine along something.

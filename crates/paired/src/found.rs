@@ -21,7 +21,7 @@ pub const LEAST: usize = 32;
 const ROUNDS: usize = 5;
 /// Rounds of what is striking in what is left.
 const STRIKING: usize = 6;
-/// More lines or more steps than these are structure of another kind.
+/// More lines than these are structure of another kind; more steps are left to the search for events.
 const FEW: usize = 3;
 
 /// What a pair's difference follows, and the pair without it.
@@ -54,7 +54,7 @@ pub struct Asked {
     pub covariates: Vec<Covariate>,
     /// Whether the test instrument's clock is corrected.
     pub correct_clock: bool,
-    /// Whether what was not recorded is looked for: sensors that answer late, lines, codes.
+    /// Whether what was not recorded is looked for: sensors that answer late, lines, steps, codes.
     pub unrecorded: bool,
     /// Courses that may act besides.
     pub given: Vec<Given>,
@@ -146,16 +146,19 @@ impl Weighed {
         self.explained.causes.iter().any(|one| one.cause == Cause::Course(number))
     }
 
-    /// How many like one were chosen.
-    fn chosen(&self, like: Acting) -> usize {
-        let is_like = |number: &usize| discriminant(&self.acting[*number].0) == discriminant(&like);
-        (0..self.acting.len()).filter(|number| is_like(number) && self.chose(*number)).count()
-    }
-
     /// What courses contribute to each channel is added so many times to a pair.
     fn add_courses(&self, pair: &mut Pair, times: f64) {
+        let time_s: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
         for (one, channels) in self.explained.causes.iter().zip(&self.explained.contributions) {
-            if !matches!(one.cause, Cause::Course(_)) {
+            let Cause::Course(number) = one.cause else { continue };
+            // What is known at any time, also in rows that were left out.
+            if let Some(columns) = self.acting[number].0.of_time(&time_s) {
+                for (test, sizes) in pair.test.iter_mut().zip(&one.channels) {
+                    for (column, size) in columns.iter().zip(sizes) {
+                        let add = |(test, value): (&mut f64, &f64)| *test += times * size.value() * value;
+                        test.iter_mut().zip(column).for_each(add);
+                    }
+                }
                 continue;
             }
             for (test, contribution) in pair.test.iter_mut().zip(channels) {
@@ -254,18 +257,20 @@ impl Found {
             }
             new = striking(&last.problem, &last.sensors, &last.explained, FEW + 1)?;
             new.retain(|(new, _)| {
-                !self.tried.iter().any(|known| known.is_near(new, &last.problem, &last.sensors))
+                let near = |known: &Acting| known.is_near(new, &last.problem, &last.sensors);
+                let is_new = !self.tried.iter().any(near);
+                self.tried.extend(is_new.then_some(*new));
+                is_new
             });
-            self.tried.extend(new.iter().map(|(new, _)| *new));
-            // Where they are more none of them is a name.
+            // Where there are more, none of them is adopted.
             let mut fewer = false;
             for like in [Acting::Line(0.0), Acting::Step(0.0)] {
-                let is_like = |one: &(Acting, f64)| discriminant(&one.0) == discriminant(&like);
-                let known = last.chosen(like);
-                if known + new.iter().filter(|one| is_like(one)).count() > FEW {
-                    new.retain(|one| !is_like(one));
-                    self.acting.retain(|one| !is_like(one));
-                    fewer |= known > 0;
+                let is_like = |one: &&(Acting, f64)| discriminant(&one.0) == discriminant(&like);
+                let chosen = self.acting.iter().filter(is_like).count();
+                if chosen.max(new.iter().filter(is_like).count()) > FEW {
+                    new.retain(|one| !is_like(&one));
+                    self.acting.retain(|one| !is_like(&one));
+                    fewer |= chosen > 0;
                 }
             }
             if new.is_empty() && !fewer {
@@ -298,7 +303,7 @@ impl Found {
         }
         self.raw.segments.iter_mut().for_each(|segment| segment.late_s = 0.0);
         pauses::cut(&mut self.raw)?;
-        let segments = segments::find(&mut self.raw)?;
+        let segments = segments::find(&mut self.raw, self.prepared.shift)?;
         (self.recorded.segments, self.recorded.boundaries) =
             (self.raw.segments.clone(), self.raw.boundaries.clone());
         self.prepared = prepare(&self.raw, self.prepared.shift, correct_clock)?;

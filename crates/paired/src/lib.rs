@@ -20,6 +20,7 @@
 
 pub mod adopt;
 mod axes;
+mod basis;
 mod courses;
 pub mod delays;
 pub mod events;

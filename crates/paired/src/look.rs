@@ -12,7 +12,6 @@ use faer::Mat;
 use crate::noise::Noise;
 use crate::residual::rest;
 use crate::{Error, TOLD_BELOW, axes};
-pub use coarse::GAIN;
 pub use columns::seen_rate;
 use columns::{beside, clock_columns, rate, turned};
 use joined::Pair;

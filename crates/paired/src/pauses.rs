@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use common::ClockDifference;
 
+use crate::look::Shift;
 use crate::segments::{change, common_rate, own};
 use crate::significance::p_of;
 use crate::{Error, TOLD_BELOW};
@@ -28,8 +29,10 @@ pub fn cut(raw: &mut Pair) -> Result<(), Error> {
     bounds.extend(looked_at.iter().map(|pause| pause.row).chain([raw.whole.len()]));
     bounds.sort_unstable();
     let stretches: Vec<Range<usize>> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
-    let clocks: Vec<Option<ClockDifference>> =
-        stretches.iter().map(|rows| own(&raw.part(rows.clone()))).collect::<Result<_, _>>()?;
+    let clocks: Vec<Option<ClockDifference>> = stretches
+        .iter()
+        .map(|rows| own(&raw.part(rows.clone()), Shift::default()))
+        .collect::<Result<_, _>>()?;
     let rate = common_rate(clocks.iter().flatten());
     let level = TOLD_BELOW / looked_at.len() as f64;
     let is_set = |pause: &&Boundary| {

@@ -30,8 +30,8 @@ pub struct Prepared {
 ///
 /// Steps and spikes are looked for in the test instrument's own rows, with the reference moved to its
 /// moments: so a sudden change of the field is in both, and no filter spreads a spike of the test instrument.
-pub fn prepare(raw: &Pair, known: Shift, correct_clock: bool) -> Result<Prepared, Error> {
-    let (mut shift, mut events) = (known, Events::default());
+pub fn prepare(raw: &Pair, start: Shift, correct_clock: bool) -> Result<Prepared, Error> {
+    let (mut shift, mut events) = (start, Events::default());
     let (mut clock, mut last) = (None, None::<Look>);
     let mut searched = None::<Shift>;
     // What was found before by these clocks: an event may come and go by turns.
@@ -96,11 +96,14 @@ fn coarse(
     shift: Shift,
     (look, together): (&Look, &Pair),
 ) -> Result<Option<Shift>, Error> {
-    let Some(by) = look.coarse(together)? else { return Ok(None) };
-    let moved = Shift { offset_s: shift.offset_s + by.offset_s, rate: shift.rate + by.rate };
-    let there = aligned(events.taken_out(raw, moved), moved, Moved::Reference);
-    let better = look.gain(together, &look::look(&there)?, &there)? > look::GAIN;
-    Ok(better.then_some(moved))
+    for by in look.coarse(together)? {
+        let moved = Shift { offset_s: shift.offset_s + by.offset_s, rate: shift.rate + by.rate };
+        let there = aligned(events.taken_out(raw, moved), moved, Moved::Reference);
+        if look.is_beaten(together, &look::look(&there)?, &there)? {
+            return Ok(Some(moved));
+        }
+    }
+    Ok(None)
 }
 
 /// How late the test instrument is where that is many samples, before anything else is known.

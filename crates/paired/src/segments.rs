@@ -29,17 +29,20 @@ pub struct Segments {
     jumps: Vec<ClockJump>,
 }
 
-/// Finds the clock of each segment by itself, and sets how much later its times are than in the longest one.
+/// Finds the clock of each segment by itself, from a known shift on, and sets how much later its times are than in the longest one.
 ///
 /// A segment whose offset does not differ from that of the longest one (below 1 % by chance) has the same.
-pub fn find(raw: &mut Pair) -> Result<Segments, Error> {
+pub fn find(raw: &mut Pair, start: Shift) -> Result<Segments, Error> {
     if raw.boundaries.is_empty() {
         return Ok(Segments::default());
     }
     let clocks: Vec<Option<ClockDifference>> = if raw.segments.len() == 1 {
         vec![None]
     } else {
-        raw.segments.iter().map(|segment| own(&raw.part(segment.rows.clone()))).collect::<Result<_, _>>()?
+        raw.segments
+            .iter()
+            .map(|segment| own(&raw.part(segment.rows.clone()), start))
+            .collect::<Result<_, _>>()?
     };
     let longest = (0..clocks.len()).rev().max_by_key(|number| raw.segments[*number].rows.len()).unwrap_or(0);
     let offset = |number: usize| clocks[number].as_ref().map(|clock| clock.offset_s.clone());
@@ -99,13 +102,13 @@ pub fn change(
     Quantity::new(all.value() - rate.value() * apart, std(&all).hypot(std(rate) * apart))
 }
 
-/// The clock of a segment; None where it is too short, or where nothing says it.
-pub fn own(part: &Pair) -> Result<Option<ClockDifference>, Error> {
+/// The clock of a segment, from a known shift on; None where it is too short, or where nothing says it.
+pub fn own(part: &Pair, start: Shift) -> Result<Option<ClockDifference>, Error> {
     if part.samples() < LEAST {
         return Ok(None);
     }
     let clock = || {
-        let mut prepared = prepare(part, Shift::default(), false)?;
+        let mut prepared = prepare(part, start, false)?;
         delays::judge(part, &mut prepared)?;
         Ok(prepared.clock)
     };

@@ -1,30 +1,29 @@
 //! Steps in what is left of a pair.
 
-use estimate::Error;
-use explain::{Fit, Problem};
+use explain::Problem;
 
+use crate::basis::{basis, without};
 use crate::courses::Acting;
 use crate::left::Left;
 
 /// A level lasts for so many rows at least, and for this share of them.
 const LEAST: usize = 8;
 const SHARE: f64 = 0.02;
+/// A step of which the base leaves less than this share of the square is none.
+const INDEPENDENT: f64 = 0.02;
 
 /// Steps of which each is the strongest beside those before it, at most so many, with the number of moments at which one
 /// was looked for; only by odds with which the engine may name it.
 ///
-/// With the columns X of the base, s of a step and r of what is left under noise of covariance C, a step lowers r C⁻¹ r by
-/// (s C⁻¹ r̃)²/(s C⁻¹ s − s C⁻¹ X (X C⁻¹ X)⁻¹ X C⁻¹ s), r̃ = r less its fit by X: for all moments by sums from the last row on.
-///
-/// # Errors
-///
-/// Times out of order.
-pub fn steps(problem: &Problem, all: &[Left<'_>], most: usize) -> Result<Vec<(Acting, f64)>, Error> {
+/// Under noise of covariance C a step s lowers rᵀ C⁻¹ r by (sᵀ C⁻¹ r)²/(sᵀ C⁻¹ s − |Qᵀ L⁻¹ s|²): L Lᵀ = C, Q is an
+/// orthonormal basis of the whitened columns of base and causes, and r is what is left without its part along them. For
+/// all moments these are sums from the last row on.
+pub fn steps(problem: &Problem, all: &[Left<'_>], most: usize) -> Vec<(Acting, f64)> {
     let rows = problem.rows();
     let lasts = LEAST.max((SHARE * rows as f64) as usize);
     let mut known: Vec<usize> = problem.steps.clone();
     let mut base = problem.base_columns();
-    let norms: Vec<Vec<f64>> = all.iter().map(norms).collect();
+    let norms: Vec<Vec<f64>> = all.iter().map(|of| of.filter.step_norms()).collect();
     let mut found = Vec::new();
     for _ in 0..most {
         let gains: Vec<Vec<f64>> =
@@ -43,51 +42,26 @@ pub fn steps(problem: &Problem, all: &[Left<'_>], most: usize) -> Result<Vec<(Ac
         base.push((0..rows).map(|other| f64::from(u8::from(other >= row))).collect());
         found.push((Acting::Step(problem.time_s[row]), looks));
     }
-    Ok(found)
+    found
 }
 
-/// s C⁻¹ s of a step at each row, as the filter in its middle answers to one.
-fn norms(of: &Left<'_>) -> Vec<f64> {
-    let rows = of.filter.rows();
-    let mut level = 0.0;
-    let mut squares = of.filter.response().into_iter().map(|answer| {
-        level += answer;
-        level * level
-    });
-    let (mut sum, mut last) = (0.0, 0.0);
-    let mut all: Vec<f64> = (0..rows)
-        .map(|_| {
-            last = squares.next().unwrap_or(last);
-            sum += last;
-            sum
-        })
-        .collect();
-    all.reverse();
-    all
-}
-
-/// By how much a step at each row lowers the sum of squares of what is left, beside the base.
+/// By how much a step at each row lowers the sum of squares of what is left.
 fn gains(of: &Left<'_>, norms: &[f64], base: &[Vec<f64>]) -> Vec<f64> {
-    let mut columns: Vec<Vec<f64>> = base.to_vec();
+    let parts = of.parts.iter().map(|part| part.to_vec());
+    let mut columns: Vec<Vec<f64>> = base.iter().cloned().chain(parts).collect();
     of.filter.whiten_all(&mut columns);
-    columns.push(of.white.clone());
-    let y = base.len();
-    let fit = Fit::of(&estimate::gram_of(&columns), y, &(0..y).collect::<Vec<_>>());
-    columns[y] = fit.rest(&columns, &of.white);
+    let mut columns = basis(columns);
+    let mut rest = of.white.clone();
+    columns.iter().for_each(|column| without(&mut rest, column));
+    columns.push(rest);
     of.filter.whiten_transposed_all(&mut columns);
     let mut sums = vec![0.0; columns.len()];
     let mut gains = vec![0.0; norms.len()];
     for row in (0..norms.len()).rev() {
         sums.iter_mut().zip(&columns).for_each(|(sum, column)| *sum += column[row]);
-        let mut follows = 0.0;
-        for (i, a) in fit.columns.iter().enumerate() {
-            for (j, b) in fit.columns.iter().enumerate() {
-                follows += sums[*a] * fit.inverse[(i, j)] * sums[*b];
-            }
-        }
-        // What follows from the base nearly is no step.
-        let own = norms[row] - follows;
-        gains[row] = if own > SHARE * norms[row] { sums[y] * sums[y] / own } else { 0.0 };
+        let [follow @ .., along] = &sums[..] else { continue };
+        let own = norms[row] - follow.iter().map(|sum| sum * sum).sum::<f64>();
+        gains[row] = if own > INDEPENDENT * norms[row] { along * along / own } else { 0.0 };
     }
     gains
 }

@@ -4,12 +4,15 @@ use estimate::sine::{Series, Strongest, strongest};
 use estimate::{Error, dot, stats};
 use explain::{Explained, Problem};
 
+use crate::basis::{basis, without};
 use crate::courses::{Acting, Sensors, Uneven, bit, coarse, range, waves};
 use crate::left::Left;
 use crate::steps::steps;
 
 /// Periods of a line that must have been seen: fewer are a course of the day or of what is repeated.
 const CYCLES: f64 = 10.0;
+/// Lines looked at for each that may be told.
+const TRIED: usize = 2;
 /// Frequencies tried for each Fourier frequency.
 const OVERSAMPLED: usize = 3;
 /// What is as strong by chance in so many searches is weighed.
@@ -46,20 +49,32 @@ pub fn striking(
         codes(sensors, sensor, &along, &all[sensors.channel(sensor).unwrap_or(0)])
     });
     found.extend(codes.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, codes)| codes).unwrap_or_default());
-    found.extend(steps(problem, &all, most)?);
-    // Each line beside those before it.
-    for _ in 0..most {
-        let Some((frequency, looks)) = line(problem, &all) else { break };
-        found.push((Acting::Line(frequency), looks));
-        let waves = basis(waves(&problem.time_s, frequency).into_iter());
+    found.extend(steps(problem, &all, most));
+    // Each line beside those before it, told or not.
+    let mut lines = 0;
+    for _ in 0..TRIED * most {
+        let Some(line) = line(problem, &all).filter(|_| lines < most) else { break };
+        if line.is_own {
+            found.push((Acting::Line(line.frequency), line.looks));
+            lines += 1;
+        }
+        let waves = basis(waves(&problem.time_s, line.frequency));
         all.iter_mut().for_each(|of| waves.iter().for_each(|wave| without(&mut of.white, wave)));
     }
     Ok(found)
 }
 
-/// The strongest line that is neither a share of the field, as noise of the reference leaves one, in its phase, nor a part
-/// of something that is known and has more of it.
-fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(f64, f64)> {
+/// The strongest line, where the engine may name it.
+struct Line {
+    frequency: f64,
+    /// Among how many it was found.
+    looks: f64,
+    /// It is neither a share of the field, as noise of the reference leaves one, in its phase, nor a part of something
+    /// that is known and has more of it.
+    is_own: bool,
+}
+
+fn line(problem: &Problem, all: &[Left<'_>]) -> Option<Line> {
     let (step_s, length_s) = (problem.step_s(), problem.length_s());
     let weight = 2.0 / problem.rows() as f64;
     let series: Vec<Series<'_>> =
@@ -80,10 +95,10 @@ fn line(problem: &Problem, all: &[Left<'_>]) -> Option<(f64, f64)> {
     let most = all.iter().max_by(|a, b| size(own(a)).total_cmp(&size(own(b))))?;
     let less = |series: &[f64]| size(most.wave_of(&waves, series)) < size(own(most));
     let by_chance = looks * stats::chi_squared_p(quadrature, all.len() as f64);
-    let own_line = (by_chance < BY_CHANCE || less(&most.field)) && most.parts.iter().all(|part| less(part));
+    let is_own = (by_chance < BY_CHANCE || less(&most.field)) && most.parts.iter().all(|part| less(part));
     let powers: Vec<f64> = all.iter().map(|of| weight * size(own(of)).powi(2)).collect();
     let odds = explain::odds(&powers, 2, problem.rows(), problem.causes().len()) - looks.ln();
-    (odds > 0.0 && own_line).then_some((found.frequency, looks))
+    (odds > 0.0).then_some(Line { frequency: found.frequency, looks, is_own })
 }
 
 /// What repeats along a sensor's reading: by how much it lowers the sum of squares, and what it may be.
@@ -144,24 +159,4 @@ fn repeats(along: &[f64], left: &[f64], y: &[f64]) -> Option<Strongest> {
 /// By how much columns lower the sum of squares of white readings.
 fn explained(columns: impl Iterator<Item = Vec<f64>>, y: &[f64]) -> f64 {
     basis(columns).iter().map(|one| dot(one, y).powi(2)).sum()
-}
-
-/// Orthonormal columns that span some.
-fn basis(columns: impl Iterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
-    for mut column in columns {
-        basis.iter().for_each(|known| without(&mut column, known));
-        let size = dot(&column, &column).sqrt();
-        if size > 0.0 {
-            column.iter_mut().for_each(|value| *value /= size);
-            basis.push(column);
-        }
-    }
-    basis
-}
-
-/// Takes what is along a column of length one out of a series.
-fn without(series: &mut [f64], column: &[f64]) {
-    let part = dot(column, series);
-    series.iter_mut().zip(column).for_each(|(value, along)| *value -= part * along);
 }

@@ -149,6 +149,20 @@ fn a_command_that_is_logged_a_row_early_and_a_step_are_told_apart() {
     assert_eq!(step.parameters["time_s"].value(), 800.0 * STEP_S);
 }
 
+/// A level that is nowhere else, and one that was there before: both are steps.
+#[test]
+fn a_level_that_comes_back_is_two_steps() {
+    let level = |row: usize| if (400..900).contains(&row) { 0.6 } else { 0.0 };
+    let found = entry(Pair::new(41).document(&[], |row| [level(row), -0.5 * level(row), 0.0], [0.02, 0.1]));
+    assert_eq!(names(&found), [("reading_step", None)], "{}", found.answer);
+    let [up, down] = &found.effects[0].list[..] else { panic!("two steps") };
+    for (step, row, height) in [(up, 400.0, 0.6), (down, 900.0, -0.6)] {
+        assert_eq!(step.parameters["time_s"].value(), row * STEP_S);
+        near(&step.parameters["x_height_nt"], height);
+        near(&step.parameters["y_height_nt"], -0.5 * height);
+    }
+}
+
 /// The clock was right at the beginning: a rate alone explains it.
 #[test]
 fn a_clock_that_gains_is_no_offset() {

@@ -53,8 +53,21 @@ fn it_is_the_inverse_of_the_root_of_the_covariance() {
             columns.push((0..rows).map(|row| if row < 200 { 0.0 } else { 1.0 }).collect());
             let expected: Vec<DVector<f64>> = columns.iter().map(solve).collect();
             let alone: Vec<Vec<f64>> = columns.iter().map(|column| whitening.whiten(column)).collect();
+            let originals = columns.clone();
             whitening.whiten_all(&mut columns);
             assert!(columns == alone, "a column alone becomes what it becomes among others");
+            let mut by_rows: Vec<Vec<f64>> = vec![Vec::new(); columns.len()];
+            whitening.by_rows(&originals, |some| {
+                let rows = some.len() / by_rows.len();
+                by_rows.iter_mut().zip(some.chunks(rows)).for_each(|(all, some)| all.extend(some));
+            });
+            assert!(by_rows == columns, "block by block they become the same");
+            let norms = whitening.step_norms();
+            for from in [0, 1, 150, rows - 1] {
+                let step: Vec<f64> = (0..rows).map(|row| f64::from(u8::from(row >= from))).collect();
+                let norm: f64 = whitening.whiten(&step).iter().map(|value| value * value).sum();
+                assert!((norms[from] - norm).abs() < 1e-8 * norm, "{number} {which} {from}: {norm}");
+            }
             let mut farthest = 0f64;
             for (column, expected) in columns.iter().zip(&expected) {
                 let size = expected.iter().map(|value| value.abs()).fold(1.0, f64::max);
@@ -208,6 +221,7 @@ fn what_cannot_be_whitened_is_refused() {
         assert_eq!(whitening.whiten(&[1.0, 2.0, -1.0, 0.0]), [2.0, 4.0, -2.0, 0.0]);
         assert!((whitening.log_determinant() - 4.0 * 0.25f64.ln()).abs() < 1e-12);
         assert_eq!(whitening.response(), [2.0, 0.0]);
+        assert_eq!(whitening.step_norms(), [16.0, 12.0, 8.0, 4.0]);
     }
 }
 

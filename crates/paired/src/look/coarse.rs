@@ -12,8 +12,10 @@ const REACH: f64 = 0.1;
 /// Changes from row to row that are so many times their median count as much: a spike of one instrument has
 /// no lag.
 const LARGEST_CHANGE: f64 = 8.0;
-/// A lag must explain more than none does by this χ², and leave so much less.
-pub const GAIN: f64 = 50.0;
+/// Least gain in χ² of a lag over none.
+const GAIN: f64 = 50.0;
+/// Largest ratio of the variances after and before.
+const MORE: f64 = 1.1;
 /// No clock gains or loses more, s/s.
 const FASTEST: f64 = 1e-3;
 /// Blocks in which the offset of a clock with a rate is taken to stay; a rate by which it changes by fewer samples than
@@ -64,14 +66,16 @@ impl Limited {
 }
 
 impl Look {
-    /// How much less, in χ² under this fit's noise, another fit leaves of the same rows moved in time. Here
-    /// only what is left is limited: a sudden change of the field that was limited in both instruments may
-    /// seem to lag where it does not.
-    pub fn gain(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<f64, Error> {
+    /// Whether another fit leaves less of the same rows moved in time: far less in χ² under this fit's noise, in which what
+    /// is slow does not count, and hardly more in all. Here only what is left is limited: a sudden change of the field
+    /// that was limited in both instruments may seem to lag where it does not.
+    pub fn is_beaten(&self, pair: &Pair, moved: &Look, moved_pair: &Pair) -> Result<bool, Error> {
         let whole: Vec<bool> = pair.whole.iter().zip(&moved_pair.whole).map(|(a, b)| *a && *b).collect();
-        let mut gain = 0.0;
+        let (mut gain, mut before, mut after) = (0.0, 0.0, 0.0);
         let here = limited_left(self, pair, &whole);
         for (here, there) in here.into_iter().zip(limited_left(moved, moved_pair, &whole)) {
+            before += squares(&here);
+            after += squares(&there);
             let noise = Noise::seen(&here, pair)?;
             let [here, there] = [here, there].map(|left| {
                 // It explains all of itself.
@@ -79,23 +83,21 @@ impl Look {
             });
             gain += here?[0] - there?[0];
         }
-        Ok(gain)
+        Ok(gain > GAIN && after <= MORE * before)
     }
 
-    /// An offset of at least one sample, or one with a rate, where the two instruments' changes match far better with
-    /// it: those of the largest likelihood.
-    pub fn coarse(&self, pair: &Pair) -> Result<Option<Shift>, Error> {
+    /// Candidates with which the two instruments' changes match far better: the most likely offset of at least one sample,
+    /// and the most likely offset with a rate.
+    pub fn coarse(&self, pair: &Pair) -> Result<Vec<Shift>, Error> {
         let limited = Limited::of(self, pair)?;
         let rows = pair.whole.len();
         let reach = (REACH * rows as f64) as usize;
         let gains = limited.explained(0..rows, reach)?;
         let best =
             (0..gains.len()).fold(reach, |best, lag| if gains[lag] > gains[best] { lag } else { best });
-        if gains[best] - gains[reach] > GAIN {
-            let offset_s = (best as f64 - reach as f64) * pair.step_s;
-            return Ok(Some(Shift { offset_s, rate: 0.0 }));
-        }
-        with_rate(&limited, pair)
+        let offset_s = (best as f64 - reach as f64) * pair.step_s;
+        let offset = (gains[best] - gains[reach] > GAIN).then_some(Shift { offset_s, rate: 0.0 });
+        Ok(offset.into_iter().chain(with_rate(&limited, pair)?).collect())
     }
 }
 
@@ -130,6 +132,12 @@ fn with_rate(limited: &Limited, pair: &Pair) -> Result<Option<Shift>, Error> {
         rate: change as f64 / rows as f64,
     });
     Ok(found)
+}
+
+/// Σ (x − x̄)².
+fn squares(values: &[f64]) -> f64 {
+    let mean = stats::mean(values);
+    values.iter().map(|value| (value - mean).powi(2)).sum()
 }
 
 /// What is left of each axis, limited.
