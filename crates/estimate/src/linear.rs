@@ -30,8 +30,8 @@ pub fn gram(a: MatRef<'_, f64>) -> Mat<f64> {
 /// Adds AᵀA of further rows, given column after column, to the lower triangle of `sum`; [`mirrored`] completes it.
 pub fn add_gram(sum: &mut Mat<f64>, columns: &[f64]) {
     let count = sum.ncols();
-    if count > 0 {
-        add_lower(sum, MatRef::from_column_major_slice(columns, columns.len() / count, count));
+    if let Some(rows) = columns.len().checked_div(count) {
+        add_lower(sum, MatRef::from_column_major_slice(columns, rows, count));
     }
 }
 
