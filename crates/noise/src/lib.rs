@@ -5,6 +5,7 @@
 //!
 //! [`Whitening`] turns readings with such noise into ones with white noise of variance one.
 
+mod backward;
 mod covariance;
 mod filter;
 mod flicker;

@@ -6,6 +6,7 @@ use joined::Pair;
 use super::{Look, Shift};
 use crate::Error;
 use crate::noise::Noise;
+use crate::residual::scatter;
 
 /// Largest offset that is searched, as a share of the recording's length.
 const REACH: f64 = 0.1;
@@ -16,7 +17,7 @@ const LARGEST_CHANGE: f64 = 8.0;
 const GAIN: f64 = 50.0;
 /// Largest ratio of the variances after and before.
 const MORE: f64 = 1.1;
-/// No clock gains or loses more, s/s.
+/// The fastest rate that is tried at once, s/s.
 const FASTEST: f64 = 1e-3;
 /// Blocks in which the offset of a clock with a rate is taken to stay; a rate by which it changes by fewer samples than
 /// the least of them needs no search.
@@ -74,8 +75,8 @@ impl Look {
         let (mut gain, mut before, mut after) = (0.0, 0.0, 0.0);
         let here = limited_left(self, pair, &whole);
         for (here, there) in here.into_iter().zip(limited_left(moved, moved_pair, &whole)) {
-            before += squares(&here);
-            after += squares(&there);
+            before += scatter(&here, &whole).powi(2);
+            after += scatter(&there, &whole).powi(2);
             let noise = Noise::seen(&here, pair)?;
             let [here, there] = [here, there].map(|left| {
                 // It explains all of itself.
@@ -132,12 +133,6 @@ fn with_rate(limited: &Limited, pair: &Pair) -> Result<Option<Shift>, Error> {
         rate: change as f64 / rows as f64,
     });
     Ok(found)
-}
-
-/// Σ (x − x̄)².
-fn squares(values: &[f64]) -> f64 {
-    let mean = stats::mean(values);
-    values.iter().map(|value| (value - mean).powi(2)).sum()
 }
 
 /// What is left of each axis, limited.
