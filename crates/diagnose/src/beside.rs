@@ -17,6 +17,7 @@ use common::{
 };
 use estimate::grouped::{Grouped, grouped};
 use explain::{Cause, Covariate, Explained};
+use indexmap::IndexSet;
 use joined::Pair;
 use paired::events::FoundEvent;
 use paired::{Acting, Asked, Clock, Explanation};
@@ -212,8 +213,10 @@ impl Compared {
         let rivals: Vec<Vec<Cause>> = rivals.map(|rival| rival.causes.clone()).collect();
         let chosen = || self.explained.causes.iter().map(|one| one.cause).collect();
         let sets = if uncertain { rivals } else { vec![chosen()] };
-        let named = |set: &Vec<Cause>, lag: &dyn Fn(Cause) -> Option<String>| {
-            set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause))).collect::<Vec<_>>()
+        // How many steps or lines there are is not a matter of names.
+        let named = |set: &Vec<Cause>, lag: &dyn Fn(Cause) -> Option<String>| -> Vec<String> {
+            let names = set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause)));
+            names.collect::<IndexSet<String>>().into_iter().collect()
         };
         // A lag of which the first order is seen may be a loop's.
         let either = sets.iter().filter(|set| !set.is_empty()).flat_map(|set| {
@@ -222,8 +225,8 @@ impl Compared {
             let twin = (looped != delayed).then_some(looped);
             [delayed].into_iter().chain(twin)
         });
-        let sets: Vec<Vec<String>> = either.collect();
-        if sets.len() > 1 { sets } else { Vec::new() }
+        let sets: IndexSet<Vec<String>> = either.collect();
+        if sets.len() > 1 { sets.into_iter().collect() } else { Vec::new() }
     }
 
     fn fit(&self) -> Residual {

@@ -48,7 +48,7 @@ pub struct Fitted {
     pub base: Vec<Vec<(f64, f64)>>,
     /// What is left of each channel under its most probable form of noise.
     pub residual: Vec<Vec<f64>>,
-    /// What plain least squares leave: on the base alone, without its steps, and on all columns.
+    /// What plain least squares leave: on the base alone, and on all columns.
     pub before: Vec<Vec<f64>>,
     pub after: Vec<Vec<f64>>,
     /// What each cause contributes to each channel.
@@ -61,8 +61,6 @@ pub struct Fitted {
     columns: Vec<Vec<usize>>,
     /// Columns of the derivative of each relaxed cause with respect to ln τ.
     slopes: Vec<Option<Vec<usize>>>,
-    /// The size of each step in each channel.
-    steps: Vec<Vec<(f64, f64)>>,
     stack: Stack,
 }
 
@@ -88,21 +86,6 @@ impl Fitted {
         let slope = |column: &usize| self.slopes.iter().flatten().flatten().any(|slope| slope == column);
         self.columns[channel].iter().filter(|column| !slope(column)).copied().collect()
     }
-
-    /// The steps of the base with their sizes.
-    pub fn sizes(&self, problem: &Problem) -> Vec<Step> {
-        let of = |(step, sizes): (&usize, &Vec<(f64, f64)>)| Step { row: *step, sizes: sizes.clone() };
-        problem.steps.iter().zip(&self.steps).map(of).collect()
-    }
-}
-
-/// A change of level.
-#[derive(Clone, Debug)]
-pub struct Step {
-    /// The first row after it.
-    pub row: usize,
-    /// Its size in each channel, and the standard uncertainty.
-    pub sizes: Vec<(f64, f64)>,
 }
 
 /// Fits some causes in their forms to all channels.
@@ -146,7 +129,6 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[Filter]) -> Fit
         variance: Vec::new(),
         columns: Vec::new(),
         slopes: derivatives.clone(),
-        steps: Vec::new(),
         stack,
     };
     let stack = &fitted.stack;
@@ -160,8 +142,7 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[Filter]) -> Fit
         let plain = |columns: &[usize]| {
             scaled(Fit::of(&made[0].gram, y, columns).rest(&stack.columns, &stack.columns[y]))
         };
-        let first_step = stack.plain.len() - problem.steps.len();
-        fitted.before.push(plain(&stack.plain[..first_step]));
+        fitted.before.push(plain(&stack.plain));
         fitted.after.push(plain(columns));
         for (of, candidate) in fitted.contributions.iter_mut().zip(&stack.candidates) {
             let mut sum = vec![0.0; problem.rows()];
@@ -187,11 +168,6 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[Filter]) -> Fit
     };
     fitted.base = (0..stack.y.len())
         .map(|channel| stack.base.iter().map(|column| quantity(channel, *column)).collect())
-        .collect();
-    let first = stack.base.len() - problem.steps.len();
-    fitted.steps = stack.base[first..]
-        .iter()
-        .map(|column| (0..stack.y.len()).map(|channel| quantity(channel, *column)).collect())
         .collect();
     for (number, ((cause, form), candidate)) in named.iter().zip(&stack.candidates).enumerate() {
         let of_channel = |channel: usize| -> Vec<(f64, f64)> {

@@ -2,7 +2,7 @@
 
 use estimate::Error;
 
-use crate::amplitude::{self, Amplitude, Fitted, Step};
+use crate::amplitude::{self, Amplitude, Fitted};
 use crate::form::Form;
 use crate::held_out::{HeldOut, held_out};
 use crate::predicted;
@@ -28,11 +28,9 @@ pub struct Explained {
     pub rivals: Vec<Rival>,
     /// The coefficients of the base's columns in each channel, with their standard uncertainties.
     pub base: Vec<Vec<(f64, f64)>>,
-    /// The steps of the base with their sizes.
-    pub steps: Vec<Step>,
     /// What plain least squares on the base alone leave of each channel.
     pub before: Vec<Vec<f64>>,
-    /// What they leave with the causes and the steps.
+    /// What they leave with the causes.
     pub residual: Vec<Vec<f64>>,
     /// What each cause contributes to each channel.
     pub contributions: Vec<Vec<Vec<f64>>>,
@@ -82,7 +80,6 @@ pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Erro
     };
     let probabilities = selected.named.iter().map(|(cause, ..)| probability(*cause)).collect();
     Ok(Explained {
-        steps: fitted.sizes(problem),
         causes: fitted.amplitudes,
         gains: selected.gains,
         held_out_gains: gains,

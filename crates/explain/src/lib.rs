@@ -32,7 +32,7 @@ mod select;
 mod stack;
 mod sweep;
 
-pub use amplitude::{Amplitude, Step};
+pub use amplitude::Amplitude;
 pub use explained::{Explained, explain};
 pub use fit::Fit;
 pub use form::{Form, sampled, smoothed};

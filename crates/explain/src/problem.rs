@@ -35,8 +35,6 @@ pub struct Problem {
     /// Where a cause acts through a direction that turns: it is multiplied by each of these. Empty: it acts
     /// as it is.
     pub directions: Vec<Vec<f64>>,
-    /// First rows after steps that are part of the base.
-    pub steps: Vec<usize>,
     /// What else may act.
     pub courses: Vec<Course>,
 }
@@ -103,7 +101,6 @@ impl Problem {
     pub fn at(&self, rows: &[usize]) -> Self {
         let of = |column: &Vec<f64>| rows.iter().map(|row| column[*row]).collect::<Vec<f64>>();
         let all = |columns: &[Vec<f64>]| columns.iter().map(of).collect();
-        let steps = self.steps.iter().map(|step| rows.partition_point(|row| row < step));
         let course = |course: &Course| Course {
             shapes: course
                 .shapes
@@ -121,7 +118,6 @@ impl Problem {
             covariates: self.covariates.clone(),
             rates: all(&self.rates),
             directions: all(&self.directions),
-            steps: steps.filter(|step| *step > 0 && *step < rows.len()).collect(),
             courses: self.courses.iter().map(course).collect(),
         }
     }
@@ -160,15 +156,13 @@ impl Problem {
         }
     }
 
-    /// The level, the base and the steps as columns.
+    /// The level and the base as columns.
     pub fn base_columns(&self) -> Vec<Vec<f64>> {
-        let rows = self.rows();
-        let step = |at: &usize| (0..rows).map(|row| f64::from(u8::from(row >= *at))).collect();
-        let level = vec![1.0; rows];
+        let level = vec![1.0; self.rows()];
         let centred = |column: &Vec<f64>| {
             let mean = estimate::stats::mean(column);
             column.iter().map(|value| value - mean).collect::<Vec<f64>>()
         };
-        self.base.iter().map(centred).chain([level]).chain(self.steps.iter().map(step)).collect()
+        self.base.iter().map(centred).chain([level]).collect()
     }
 }

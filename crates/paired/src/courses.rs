@@ -163,7 +163,7 @@ impl Acting {
     pub fn is_near(&self, other: &Self, problem: &Problem, sensors: &Sensors) -> bool {
         match (*self, *other) {
             (Self::Line(a), Self::Line(b)) => (a - b).abs() * problem.length_s() < 1.0,
-            (Self::Step(a), Self::Step(b)) => (a - b).abs() < NEAR * problem.length_s(),
+            (Self::Step(a), Self::Step(b)) => are_one_step(a, b, problem.length_s()),
             (Self::Coarse(own, a), Self::Coarse(sensor, b))
             | (
                 Self::Uneven(own, Uneven { period_nt: a, .. }),
@@ -177,6 +177,11 @@ impl Acting {
     pub fn is_usual(&self) -> bool {
         matches!(self, Self::Late(_) | Self::Given(_))
     }
+}
+
+/// Whether steps at these times would be found as one in so long a series.
+pub fn are_one_step(a_s: f64, b_s: f64, length_s: f64) -> bool {
+    (a_s - b_s).abs() < NEAR * length_s
 }
 
 fn less(y: &[f64], left: &[f64]) -> Vec<f64> {

@@ -1,12 +1,12 @@
 //! From a pair to what its difference follows, its clocks and its events: columns first, until nothing changes.
 
 use common::{ClockDifference, EventInstrument, HeldOutPrediction, Quantity};
-use explain::{Amplitude, Cause, Covariate, Explained, Form, Problem, Step, explain};
+use explain::{Amplitude, Cause, Covariate, Explained, Form, Problem, explain};
 use joined::Pair;
 use std::mem::discriminant;
 
 use crate::Error;
-use crate::courses::{Acting, Given, Sensors};
+use crate::courses::{Acting, Given, Sensors, are_one_step};
 use crate::events::{Events, FoundEvent};
 use crate::followed::Follows;
 use crate::look::Shift;
@@ -21,8 +21,10 @@ pub const LEAST: usize = 32;
 const ROUNDS: usize = 5;
 /// Rounds of what is striking in what is left.
 const STRIKING: usize = 6;
-/// More lines than these are structure of another kind; more steps are left to the search for events.
+/// More lines, or more steps that are striking at once, are structure of another kind, …
 const FEW: usize = 3;
+/// … and so are more of either that act.
+const MOST: [(Acting, usize); 2] = [(Acting::Line(0.0), FEW), (Acting::Step(0.0), 8)];
 
 /// What a pair's difference follows, and the pair without it.
 pub struct Found {
@@ -97,7 +99,7 @@ pub struct Explanation {
 
 /// An answer of the engine, with the events and the clocks that it was given.
 struct Weighed {
-    events: Events,
+    disturbed: Events,
     shift: Shift,
     explained: Explained,
     problem: Problem,
@@ -122,7 +124,7 @@ impl Weighed {
         let explained = explain(&problem, told)?;
         let acting = of.acting.clone();
         Ok(Self {
-            events: known.events.clone(),
+            disturbed: known.disturbed.clone(),
             shift: known.shift,
             explained,
             problem,
@@ -146,11 +148,15 @@ impl Weighed {
         self.explained.causes.iter().any(|one| one.cause == Cause::Course(number))
     }
 
-    /// What courses contribute to each channel is added so many times to a pair.
+    /// What courses contribute to each channel is added so many times to a pair; steps stay to be found by the search for
+    /// events.
     fn add_courses(&self, pair: &mut Pair, times: f64) {
         let time_s: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
         for (one, channels) in self.explained.causes.iter().zip(&self.explained.contributions) {
             let Cause::Course(number) = one.cause else { continue };
+            if let Acting::Step(_) = self.acting[number].0 {
+                continue;
+            }
             // What is known at any time, also in rows that were left out.
             if let Some(columns) = self.acting[number].0.of_time(&time_s) {
                 for (test, sizes) in pair.test.iter_mut().zip(&one.channels) {
@@ -220,15 +226,13 @@ impl Found {
         self.prepared.shift = coarse_shift(&self.recorded)?;
         let mut before = Vec::new();
         for round in 0..ROUNDS {
-            // Disturbed rows are left out first: what a step was taken for may then follow a column.
-            let with_steps = round != 1 || self.prepared.events.disturbances().found.is_empty();
-            if !self.weigh(with_steps, told)? && with_steps {
+            if !self.weigh(told)? {
                 break;
             }
             // Clocks and events are those beside the same causes.
             let causes = self.last.as_ref().map(Weighed::causes).unwrap_or_default();
             let same = causes.len() == before.len() && causes.iter().all(|one| before.contains(one));
-            if with_steps && round > 0 && same {
+            if round > 0 && same {
                 break;
             }
             before = causes;
@@ -238,16 +242,16 @@ impl Found {
     }
 
     /// Weighs the columns with what is known of clocks and events; whether that was not done before.
-    fn weigh(&mut self, with_steps: bool, told: &dyn Fn(&str)) -> Result<bool, Error> {
-        let events = &self.prepared.events;
-        let events = if with_steps { events.clone() } else { events.disturbances() };
+    fn weigh(&mut self, told: &dyn Fn(&str)) -> Result<bool, Error> {
+        let disturbed = self.prepared.events.disturbances();
         let shift = self.prepared.shift;
-        let same = |last: &Weighed| last.events.same(&events) && self.prepared.is_near(last.shift);
-        if self.last.as_ref().is_some_and(same) {
+        let stepped = self.try_steps();
+        let same = |last: &Weighed| last.disturbed.same(&disturbed) && self.prepared.is_near(last.shift);
+        if !stepped && self.last.as_ref().is_some_and(same) {
             return Ok(false);
         }
         told("weighing what was recorded beside");
-        let known = Known { events: &events, shift };
+        let known = Known { disturbed: &disturbed, shift };
         let mut last = Weighed::of(self, known, told)?;
         let mut new = Vec::new();
         for _ in 0..STRIKING {
@@ -264,10 +268,10 @@ impl Found {
             });
             // Where there are more, none of them is adopted.
             let mut fewer = false;
-            for like in [Acting::Line(0.0), Acting::Step(0.0)] {
+            for (like, most) in MOST {
                 let is_like = |one: &&(Acting, f64)| discriminant(&one.0) == discriminant(&like);
                 let chosen = self.acting.iter().filter(is_like).count();
-                if chosen.max(new.iter().filter(is_like).count()) > FEW {
+                if chosen > most || new.iter().filter(is_like).count() > FEW {
                     new.retain(|one| !is_like(&one));
                     self.acting.retain(|one| !is_like(&one));
                     fewer |= chosen > 0;
@@ -282,6 +286,29 @@ impl Found {
         self.follows = last.follows(&self.recorded, &self.covariates);
         self.last = Some(last);
         Ok(true)
+    }
+
+    /// The steps that the search for events found may act too, where they are few; whether there are new ones.
+    fn try_steps(&mut self) -> bool {
+        let pair = &self.recorded;
+        let length_s = pair.whole.len() as f64 * pair.step_s;
+        let mut new: Vec<f64> = Vec::new();
+        for step in self.prepared.events.steps().found {
+            let at_s = pair.time_s(step.from);
+            let tried = self.tried.iter().filter_map(|one| match one {
+                Acting::Step(known) => Some(*known),
+                _ => None,
+            });
+            if !tried.chain(new.iter().copied()).any(|known| are_one_step(known, at_s, length_s)) {
+                new.push(at_s);
+            }
+        }
+        if new.len() > MOST[1].1 {
+            return false;
+        }
+        self.tried.extend(new.iter().map(|at_s| Acting::Step(*at_s)));
+        self.acting.extend(new.iter().map(|at_s| (Acting::Step(*at_s), pair.whole.len() as f64)));
+        !new.is_empty()
     }
 
     /// Keeps what is left, and of what was looked for that which was chosen.
@@ -330,17 +357,16 @@ impl Found {
     ///
     /// Fewer whole rows than a fit needs.
     pub fn explained(mut self, told: &dyn Fn(&str)) -> Result<Explanation, Error> {
-        let as_recorded = Known { events: &Events::default(), shift: Shift::default() };
+        let as_recorded = Known { disturbed: &Events::default(), shift: Shift::default() };
         let unmoved = problem(&self.recorded, &[], as_recorded).0;
         let rms = |left: f64| (left / unmoved.rows() as f64).sqrt();
         let rms = squares(&unmoved).into_iter().map(rms).collect();
-        self.weigh(true, told)?;
+        self.weigh(told)?;
         let Some(Weighed { mut explained, problem, acting, rows, .. }) = self.last else {
             return Err(Error::Fit("nothing was weighed".into()));
         };
         let clock = Clock::of(&self.prepared, &problem);
         explained.without(Cause::Clock);
-        tell_steps_apart(&mut explained, &acting, &problem);
         let disturbed = self.prepared.events.disturbances().found;
         // Beside a magnitude the sensors are the reference, and one of them or the magnitude may be off.
         let own = |event: &FoundEvent| {
@@ -361,22 +387,6 @@ impl Found {
             unmoved: rms,
         })
     }
-}
-
-/// Steps among the courses stand with those of the base.
-fn tell_steps_apart(explained: &mut Explained, acting: &[(Acting, f64)], problem: &Problem) {
-    for (number, (acting, _)) in acting.iter().enumerate() {
-        let (Acting::Step(at_s), cause) = (acting, Cause::Course(number)) else { continue };
-        let Some(one) = explained.causes.iter().find(|one| one.cause == cause) else { continue };
-        let size = |own: &Vec<Quantity>| {
-            own.first().map_or((0.0, 0.0), |size| (size.value(), size.std().unwrap_or(0.0)))
-        };
-        let sizes = one.channels.iter().map(size).collect();
-        let row = problem.time_s.partition_point(|t| t < at_s);
-        explained.steps.push(Step { row, sizes });
-        explained.without(cause);
-    }
-    explained.steps.sort_by_key(|step| step.row);
 }
 
 impl Clock {

@@ -16,7 +16,7 @@ use crate::look::{Moved, Shift, aligned, seen_rate};
 const SMOOTH_STEPS: [f64; 3] = [4.0, 32.0, 256.0];
 const SMOOTH_ROWS: f64 = 64.0;
 /// The answer at short periods is that at long ones within this standard deviation, nT/nT.
-const ALIKE: f64 = 1.0;
+pub const ALIKE: f64 = 1.0;
 
 /// Of more rows so many are weighed, in so many blocks that are spread over all: a day of seconds whole, a tenth of a
 /// month.
@@ -26,20 +26,20 @@ const BLOCKS: usize = 64;
 /// What is known of a pair before its columns are weighed.
 #[derive(Clone, Copy)]
 pub struct Known<'a> {
-    /// Its events.
-    pub events: &'a Events,
+    /// What is disturbed.
+    pub disturbed: &'a Events,
     /// How late the test instrument is.
     pub shift: Shift,
 }
 
 /// Rows in which both instruments read and nothing is disturbed, with the reference at the test instrument's
-/// moments; steps are part of the base.
+/// moments.
 pub fn problem(
     recorded: &Pair,
     covariates: &[Covariate],
     known: Known<'_>,
 ) -> (Problem, Sensors, Vec<usize>) {
-    let quiet = known.events.disturbances().taken_out(recorded, known.shift);
+    let quiet = known.disturbed.taken_out(recorded, known.shift);
     let pair = aligned(quiet, known.shift, Moved::Reference);
     let rows: Vec<usize> = (0..pair.whole.len()).filter(|row| pair.whole[*row]).collect();
     let at = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
@@ -55,11 +55,6 @@ pub fn problem(
     let time_s: Vec<f64> = rows.iter().map(|row| pair.time_s(*row)).collect();
     let fast = fast(&time_s, &base, pair.step_s);
     let white = channels.iter().map(|channel| white(&base, channel)).fold(f64::INFINITY, f64::min).sqrt();
-    let mut steps: Vec<usize> =
-        known.events.steps().found.iter().map(|step| rows.partition_point(|row| *row < step.from)).collect();
-    steps.sort_unstable();
-    steps.dedup();
-    steps.retain(|step| *step > 0 && *step < rows.len());
     let kept = thinned(rows.len(), MOST, BLOCKS);
     let problem = Problem {
         time_s,
@@ -69,7 +64,6 @@ pub fn problem(
         noisy: 3,
         covariates: covariates.to_vec(),
         rates,
-        steps,
         ..Problem::default()
     };
     if kept.len() == rows.len() {

@@ -21,7 +21,7 @@ const INDEPENDENT: f64 = 0.02;
 pub fn steps(problem: &Problem, all: &[Left<'_>], most: usize) -> Vec<(Acting, f64)> {
     let rows = problem.rows();
     let lasts = LEAST.max((SHARE * rows as f64) as usize);
-    let mut known: Vec<usize> = problem.steps.clone();
+    let mut known: Vec<usize> = Vec::new();
     let mut base = problem.base_columns();
     let norms: Vec<Vec<f64>> = all.iter().map(|of| of.filter.step_norms()).collect();
     let mut found = Vec::new();

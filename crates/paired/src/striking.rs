@@ -7,6 +7,7 @@ use explain::{Explained, Problem};
 use crate::basis::{basis, without};
 use crate::courses::{Acting, Sensors, Uneven, bit, coarse, range, waves};
 use crate::left::Left;
+use crate::problem::ALIKE;
 use crate::steps::steps;
 
 /// Periods of a line that must have been seen: fewer are a course of the day or of what is repeated.
@@ -69,11 +70,12 @@ struct Line {
     frequency: f64,
     /// Among how many it was found.
     looks: f64,
-    /// It is neither a share of the field, as noise of the reference leaves one, in its phase, nor a part of something
-    /// that is known and has more of it.
+    /// It is neither a share of the field, as noise of the reference leaves one, nor a part of something that is known
+    /// and has more of it.
     is_own: bool,
 }
 
+/// Noise of the reference leaves a share of the field within a standard deviation of [`ALIKE`].
 fn line(problem: &Problem, all: &[Left<'_>]) -> Option<Line> {
     let (step_s, length_s) = (problem.step_s(), problem.length_s());
     let weight = 2.0 / problem.rows() as f64;
@@ -85,17 +87,18 @@ fn line(problem: &Problem, all: &[Left<'_>]) -> Option<Line> {
     let waves = waves(&problem.time_s, found.frequency);
     let size = |[sine, cosine]: [f64; 2]| sine.hypot(cosine);
     let own = |of: &Left<'_>| waves.each_ref().map(|wave| dot(wave, &of.white));
-    let quadrature: f64 = all
+    let beyond: f64 = all
         .iter()
         .map(|of| {
-            let (own, field) = (own(of), of.wave_of(&waves, &of.field));
-            weight * ((own[0] * field[1] - own[1] * field[0]) / size(field)).powi(2)
+            let ([sine, cosine], [s, c]) = (own(of), of.wave_of(&waves, &of.field).map(|part| ALIKE * part));
+            let along = (sine * s + cosine * c).powi(2) / (weight.recip() + s * s + c * c);
+            weight * (sine * sine + cosine * cosine - along)
         })
         .sum();
     let most = all.iter().max_by(|a, b| size(own(a)).total_cmp(&size(own(b))))?;
     let less = |series: &[f64]| size(most.wave_of(&waves, series)) < size(own(most));
-    let by_chance = looks * stats::chi_squared_p(quadrature, all.len() as f64);
-    let is_own = (by_chance < BY_CHANCE || less(&most.field)) && most.parts.iter().all(|part| less(part));
+    let by_chance = looks * stats::chi_squared_p(beyond, 2.0 * all.len() as f64);
+    let is_own = by_chance < BY_CHANCE && most.parts.iter().all(|part| less(part));
     let powers: Vec<f64> = all.iter().map(|of| weight * size(own(of)).powi(2)).collect();
     let odds = explain::odds(&powers, 2, problem.rows(), problem.causes().len()) - looks.ln();
     (odds > 0.0).then_some(Line { frequency: found.frequency, looks, is_own })

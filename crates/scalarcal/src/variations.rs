@@ -4,9 +4,9 @@
 
 use common::number::{counted, significant, uncertain};
 use common::{Axis, Document, Noise, Quantity, ScalarCalibration, ScalarParameter};
-use explain::{Cause, Covariate};
-use paired::Asked;
+use explain::{Amplitude, Cause, Covariate};
 use paired::magnitude::{Level, Readings};
+use paired::{Acting, Asked};
 use physics::{Basic, Unit};
 
 use crate::directions::unmixed;
@@ -144,11 +144,19 @@ fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<String> 
     if let Some(clock) = &of.clock {
         said.push(format!("the scalar magnetometer's times are late by {} s", clock.offset_s));
     }
-    if !of.explained.steps.is_empty() {
-        let first = &of.explained.steps[0];
-        let (size, std) = first.sizes[0];
-        let at = significant(of.problem.time_s[first.row], 6);
-        let count = counted(of.explained.steps.len(), "step");
+    let step = |one: &Amplitude| match one.cause {
+        Cause::Course(number) => match of.acting[number] {
+            Acting::Step(at_s) => Some((at_s, one.channels[0][0].clone())),
+            _ => None,
+        },
+        _ => None,
+    };
+    let mut steps: Vec<(f64, Quantity)> = of.explained.causes.iter().filter_map(step).collect();
+    steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((at_s, size)) = steps.first() {
+        let (size, std) = (size.value(), size.std().unwrap_or(0.0));
+        let at = significant(*at_s, 6);
+        let count = counted(steps.len(), "step");
         said.push(format!("{count} in the rest, the first by {} nT at {at} s", uncertain(size, std)));
     }
     said

@@ -3,6 +3,7 @@
 use common::{Axis, ExplainedEffect, ListedEffect, Quantity};
 use explain::{Amplitude, Cause, Form};
 use indexmap::IndexMap;
+use paired::Acting;
 use paired::events::FoundEvent;
 use physics::Kind;
 
@@ -19,7 +20,6 @@ pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
         .map(|(number, one)| cause(compared, number, one))
         .collect();
     effects.extend(clock(compared));
-    effects.extend(steps(compared));
     effects.extend(spikes(compared));
     effects.extend(frozen(compared));
     let known = |axis: Option<Axis>| {
@@ -46,8 +46,12 @@ fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect
         _ => None,
     };
     let sensor = match one.cause {
-        Cause::Course(_) => unrecorded::sensor(compared, one.cause),
-        Cause::Time => alone(compared, one.channels.iter().filter_map(|sizes| sizes.first())),
+        Cause::Course(number) if !matches!(compared.acting[number], Acting::Step(_)) => {
+            unrecorded::sensor(compared, one.cause)
+        }
+        Cause::Course(_) | Cause::Time => {
+            alone(compared, one.channels.iter().filter_map(|sizes| sizes.first()))
+        }
         _ => None,
     };
     let about = kind(compared, one.cause, one.form).about();
@@ -288,35 +292,4 @@ fn clock(compared: &Compared) -> Option<ExplainedEffect> {
         visible_fraction: 1.0,
         ..ExplainedEffect::default()
     })
-}
-
-/// All changes of level as one effect.
-fn steps(compared: &Compared) -> Option<ExplainedEffect> {
-    let steps = &compared.explained.steps;
-    if steps.is_empty() {
-        return None;
-    }
-    let listed = |step: &explain::Step| {
-        let mut parameters = IndexMap::new();
-        for (channel, (size, std)) in step.sizes.iter().enumerate() {
-            let name = match compared.channels[channel].1 {
-                Some(axis) => format!("{axis}_height_nt"),
-                None => "height_nt".into(),
-            };
-            parameters.insert(name, Quantity::new(*size, *std));
-        }
-        parameters.insert("time_s".into(), Quantity::Bare(compared.time_s[step.row]));
-        ListedEffect { parameters, ..ListedEffect::default() }
-    };
-    let of_steps: Vec<Option<Axis>> = steps
-        .iter()
-        .map(|step| {
-            let sizes: Vec<Quantity> =
-                step.sizes.iter().map(|(size, std)| Quantity::new(*size, *std)).collect();
-            alone(compared, sizes.iter())
-        })
-        .collect();
-    let sensor =
-        of_steps.first().copied().flatten().filter(|axis| of_steps.iter().all(|own| *own == Some(*axis)));
-    found_apart(compared, Kind::ReadingStep, steps.iter().map(listed).collect(), sensor)
 }

@@ -140,8 +140,14 @@ pub fn parameters(compared: &Compared, one: &Amplitude) -> IndexMap<String, Quan
             }
             all.insert("period_nt".into(), Quantity::Bare(uneven.period_nt))
         }
-        // Told apart, with their sizes.
-        Some(Acting::Step(_)) | None => None,
+        Some(Acting::Step(at_s)) => {
+            for (quantities, (_, axis)) in one.channels.iter().zip(&compared.channels) {
+                let name = axis.map_or("height_nt".into(), |axis| format!("{axis}_height_nt"));
+                all.insert(name, quantities[0].clone());
+            }
+            all.insert("time_s".into(), Quantity::Bare(at_s))
+        }
+        None => None,
     };
     all
 }
