@@ -1,8 +1,8 @@
 """Kinds of physics, and which of them may be looked at while a program is developed, and which are scored.
 
-The rule: a kind that an earlier generator of this project had in the same form, that a published page has scored, or that
-anybody has looked at case by case is `looked_at`: in the group `develop`. Every other kind is scored. A kind that is looked at
-after a page is marked before the next one.
+The rule: a kind that an earlier generator of this project had in the same form, or that anybody has looked at case by case,
+is `looked_at`: in the group `develop`. Every other kind is scored. A kind that is looked at after a page is marked before the
+next one, for which at least a third of the scored kinds are new.
 """
 from collections.abc import Callable
 from dataclasses import dataclass

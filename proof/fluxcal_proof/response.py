@@ -2,6 +2,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.special import jn_zeros
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,13 @@ def plate(tau: float, modes: int = 12) -> Response:
     return of_modes(8 / (np.pi * k) ** 2, 4 * tau / (np.pi * k) ** 2)
 
 
+def cylinder(tau: float, modes: int = 20) -> Response:
+    """Mean field in a long conducting cylinder along it, 2 I1(z) / (z I0(z)), z^2 = s tau. Knoepfel 2000, Magnetic Fields, 4.2."""
+    k = jn_zeros(0, modes)
+    return of_modes(4 / k**2, tau / k**2)
+
+
 def sphere(tau: float, modes: int = 20) -> Response:
     """What a conducting sphere lets through of the field that its moment opposes. Wait 1951, Geophysics 16, 666."""
     k = np.arange(modes) + 1
     return of_modes(6 / (np.pi * k) ** 2, tau / k**2)
-
-
-def spread(tau: float, decades: float, terms: int = 9) -> Response:
-    """Relaxation times that are spread log-normally about tau, by Gauss and Hermite's rule."""
-    nodes, weights = np.polynomial.hermite_e.hermegauss(terms)
-    return Response(0.0, weights / weights.sum(), tau * 10 ** (decades * nodes))

@@ -2,6 +2,7 @@
 import unittest
 
 import numpy as np
+from scipy.special import iv
 
 from fluxcal_proof import cases, noise, response, signal
 from fluxcal_proof.basic import Basic
@@ -27,10 +28,11 @@ class Responses(unittest.TestCase):
         y = x.through(response.relaxation(7.0), rest=0.0)(t)
         np.testing.assert_allclose(y, integrated(x(t), 0.01, 7.0), atol=2e-5)
 
-    def test_modes_of_a_plate_sum_to_the_closed_form(self) -> None:
+    def test_modes_of_plate_and_cylinder_sum_to_the_closed_form(self) -> None:
         omega = np.array([0.01, 0.1, 1.0])
         z = np.sqrt(1j * omega * 3.0)
         np.testing.assert_allclose(response.plate(3.0, 200).gain(omega), np.tanh(z) / z, atol=2e-3)
+        np.testing.assert_allclose(response.cylinder(3.0, 400).gain(omega), 2 * iv(1, z) / (z * iv(0, z)), atol=2e-3)
 
     def test_a_damped_response_is_second_order(self) -> None:
         omega, tau = np.array([0.1, 1.0, 4.0]), 0.7

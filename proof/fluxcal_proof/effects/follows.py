@@ -42,9 +42,9 @@ def coil_heating(c: Campaign, axis: int) -> Effect:
 
 
 def column(c: Campaign, axis: int, name: str, slow: tuple[float, float] | None = None, power: tuple[float, float] | None = None,
-           logged: tuple[int, int] | None = None) -> Effect:
-    """A field in SEN in proportion to a column, late by a relaxation (a share of a recording), as a power, or written some rows late."""
-    body = response.relaxation(c.length * c.rng.uniform(*slow)) if slow else None
+           logged: tuple[int, int] | None = None, through: Callable[[float], Response] = response.relaxation) -> Effect:
+    """A field in SEN in proportion to a column, late by a response (its time a share of a recording), as a power, or written some rows late."""
+    body = through(c.length * c.rng.uniform(*slow)) if slow else None
     bend, v = c.rng.uniform(*power) if power else 1.0, c.rng.normal(size=3)
 
     def x(run: Run) -> np.ndarray:
@@ -67,9 +67,11 @@ KINDS = [Kind(*row) for row in [
     ("offset_temperature_lag", "two bodies side by side", FAMILY,
      sensor(late(lambda tau, share: Response(0.0, np.array([share, 1 - share]), np.array([tau, 0.2 * tau]))), (0.05, 0.2), (0.6, 0.9)),
      "Primdahl 1979; core and housing warm at unlike rates", False),
+    ("offset_temperature_lag", "heat through a wall", FAMILY, sensor(late(lambda tau: response.plate(tau, 6)), (0.1, 0.5)),
+     "Carslaw and Jaeger 1959, 3.4", False),
     ("offset_temperature_inflection", "compensation that ends", FAMILY,
      sensor(lambda x, at, before: np.where(x.warm(SENSOR) < at, before, 1.0) * (x.warm(SENSOR) - at), (-3, 3), (-0.6, 0.2)),
-     "Jankowski and Sucksdorff 1996, IAGA Guide", False, ("offset_temperature_inflection", "offset_temperature")),
+     "Jankowski and Sucksdorff 1996, IAGA Guide", True, ("offset_temperature_inflection", "offset_temperature")),
     ("offset_electronics_temperature", "amplifier", FAMILY, sensor(lambda x: x.warm(ELECTRONICS)), "Horowitz and Hill 2015, The Art of Electronics", True),
     ("offset_electronics_temperature", "leakage that doubles", FAMILY, sensor(lambda x, every: 2 ** (x.warm(ELECTRONICS) / every), (9, 14)),
      "Sze and Ng 2007, Physics of Semiconductor Devices: doubling each 10 K", False),
@@ -89,6 +91,10 @@ KINDS = [Kind(*row) for row in [
     ("stray_current", "regulator in pulses", FAMILY, partial(column, name="panel_current_a", power=(1.3, 1.8)),
      "a shunt whose conduction angle goes with the square root of the load", False, CURRENT),
     ("dependence", "humidity, late", FAMILY, partial(column, name="humidity_percent", slow=(0.02, 0.15)), "Fick's law in a thin case: one relaxation", True),
+    ("stray_current", "load through a core that fills", FAMILY, partial(column, name="panel_current_a", power=(0.5, 0.8)),
+     "a choke beside the sensor whose permeability falls: Bozorth 1951, Ferromagnetism", False, CURRENT),
+    ("dependence", "humidity through a coat of paint", FAMILY, partial(column, name="humidity_percent", slow=(0.05, 0.3), through=response.plate),
+     "Crank 1975, The Mathematics of Diffusion, 4.3: a sheet", False),
     ("dependence", "pressure", FAMILY, partial(column, name="room_pressure_pa"), "an evacuated case that bends in proportion", False),
     ("coil_heating", "winding", FAMILY, coil_heating, "NASA CR-156638: temperature of the main winding; Joule's heat into one body", True),
 ]]

@@ -32,9 +32,10 @@ def shifted(c: Campaign, seconds: Callable[[Run], np.ndarray | float]) -> Effect
     return Effect(lambda size: [c.plain(run, run.at - seconds(run) * size) - c.plain(run) for run in c.runs])
 
 
-def clock(c: Campaign, axis: int) -> Effect:
+def clock(c: Campaign, axis: int, early: bool = False) -> Effect:
+    """Off in one recording, or in all until it is set."""
     number, sign = int(c.rng.choice([run.number for run in c.runs if not run.held])), c.rng.choice([-1, 1])
-    return shifted(c, lambda run: sign * 0.01 * c.step * (run.number == number))
+    return shifted(c, lambda run: sign * 0.01 * c.step * (run.number <= number if early else run.number == number))
 
 
 def quartz(c: Campaign, axis: int) -> Effect:
@@ -61,16 +62,18 @@ KINDS = [Kind(*row) for row in [
     ("loop_bandwidth", "two unlike poles", FAMILY, partial(loop, of=lambda tau, ratio: response.poles([tau, ratio * tau]), draws=[(0.2, 0.7)]),
      "Auster et al. 2008, Space Sci. Rev. 141, 235", True, LOOP),
     ("loop_bandwidth", "three poles", FAMILY, partial(loop, of=lambda tau: response.poles([tau, 0.8 * tau, 0.6 * tau])),
-     "Oppenheim and Schafer 1989, Discrete-Time Signal Processing: a cascade of RC filters", False, LOOP),
+     "Oppenheim and Schafer 1989, Discrete-Time Signal Processing: a cascade of RC filters", True, LOOP),
     ("loop_bandwidth", "damped second order", FAMILY, partial(loop, of=response.damped, draws=[(0.6, 0.95)]),
-     "Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems", False, LOOP),
+     "Franklin, Powell and Emami-Naeini, Feedback Control of Dynamic Systems", True, LOOP),
     ("clock_offset", "one recording", FAMILY, clock, "INTERMAGNET Technical Reference Manual", True),
-    ("clock_rate", "quartz with a temperature coefficient", FAMILY, quartz, "Vig 1992, Introduction to Quartz Frequency Standards", False,
+    ("clock_rate", "quartz with a temperature coefficient", FAMILY, quartz, "Vig 1992, Introduction to Quartz Frequency Standards", True,
      ("clock_rate", "clock_offset")),
+    ("delay", "all-pass section", FAMILY, partial(loop, of=lambda tau: Response(-1.0, np.array([2.0]), np.array([tau]))),
+     "Oppenheim and Schafer 1989: (1 - s tau) / (1 + s tau), an equaliser of delay", False, LOOP),
+    ("clock_offset", "until it was set", FAMILY, partial(clock, early=True), "RFC 5905: a clock that is stepped", False),
+    ("eddy_currents", "cylinder", FAMILY, partial(eddy, of=response.cylinder, steps=(2, 25)), "Knoepfel 2000, Magnetic Fields, 4.2", False),
     ("eddy_currents", "plate", FAMILY, partial(eddy, of=response.plate, steps=(2, 25)),
      "Carslaw and Jaeger 1959, Conduction of Heat in Solids, 3.4", True),
     ("eddy_currents", "sphere", FAMILY, partial(eddy, of=response.sphere, steps=(2, 25)),
      "Wait 1951, Geophysics 16, 666: a conducting sphere in a field that changes", False),
-    ("eddy_currents", "many bodies", FAMILY, partial(eddy, of=lambda tau: response.spread(tau, 0.35), steps=(1, 8)),
-     "Leliak 1961, IRE Trans. ANE-8, 95; a log-normal spread of their times", True),
 ]]

@@ -1,5 +1,6 @@
 """Nonlinear and history-dependent responses to the field along the sensor or across it."""
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -21,10 +22,12 @@ def saturation(c: Campaign, axis: int) -> Effect:
     return Effect(act, (AXES[axis],), power=sharp / 4)
 
 
-def tanh(c: Campaign, axis: int) -> Effect:
+def bent(c: Campaign, axis: int, of: Callable[[np.ndarray], np.ndarray] = np.tanh) -> Effect:
+    """A curve of slope one at zero."""
+
     def act(size: float) -> Parts:
         level = 10 * size**-0.5
-        return one_sensor(c, axis, lambda x: 5e4 * (level * np.tanh(x.b / level) - x.b))
+        return one_sensor(c, axis, lambda x: 5e4 * (level * of(x.b / level) - x.b))
 
     return Effect(act, (AXES[axis],))
 
@@ -77,7 +80,7 @@ KINDS = [Kind(*row) for row in [
     ("quadratic_nonlinearity", "gains that go over into each other", FAMILY, sensor(lambda x, width: x.b * np.tanh(x.b / width), (0.5, 1.2)),
      "two halves of an output stage; x tanh(x/w)", False),
     ("cubic_nonlinearity", "hyperbolic sine", FAMILY, sensor(lambda x, width: np.sinh(x.b / width), (0.5, 1.0)),
-     "input stage that conducts exponentially; Horowitz and Hill 2015", False),
+     "input stage that conducts exponentially; Horowitz and Hill 2015", True),
     ("cross_field", "squares and products", FAMILY,
      sensor(lambda x, a, b, mixed: a * x.u**2 + b * x.v**2 + mixed * x.u * x.v, NORMAL, NORMAL, NORMAL), "Brauer et al. 1997, Sens. Actuators A 59, 70", True),
     ("cross_field", "core that turns its moment", FAMILY, sensor(lambda x, level: np.sqrt(1 + (x.u**2 + x.v**2) / level**2), (0.7, 1.5)),
@@ -85,12 +88,18 @@ KINDS = [Kind(*row) for row in [
     ("cross_field_sensitivity", "product", FAMILY, sensor(lambda x, a, b: x.b * (a * x.u + b * x.v), NORMAL, NORMAL),
      "Brauer et al. 1997, Sens. Actuators A 59, 70", True),
     ("saturation", "soft end", FAMILY, saturation, "feedback that runs out of current: M / (1 + |M/L|^p)^(1/p)", True),
-    ("saturation", "hyperbolic tangent", FAMILY, tanh, "a differential pair that is steered fully; Gray and Meyer 2009", False,
+    ("saturation", "hyperbolic tangent", FAMILY, bent, "a differential pair that is steered fully; Gray and Meyer 2009", False,
      ("saturation", "cubic_nonlinearity")),
+    ("saturation", "arctangent", FAMILY, partial(bent, of=lambda x: np.arctan(np.pi / 2 * x) / (np.pi / 2)),
+     "magnetisation of a soft core: Bozorth 1951, Ferromagnetism", False, ("saturation", "cubic_nonlinearity")),
+    ("cross_field", "fourth power", FAMILY, sensor(lambda x: (x.u**2 + x.v**2) ** 2), "next order of a core that is magnetised across", False),
     ("hysteresis", "play", FAMILY, sensor(lambda x: behind(x, np.array([x.rng.uniform(0.06, 0.3)]), np.ones(1))),
      "Krasnosel'skii and Pokrovskii 1989, Systems with Hysteresis", True, REMANENT),
     ("hysteresis", "Preisach", FAMILY, sensor(preisach, (0.05, 0.25)),
      "Mayergoyz 1991, Mathematical Models of Hysteresis; plays weighted by a density of widths", True, REMANENT),
+    ("hysteresis", "Prandtl and Ishlinskii", FAMILY,
+     sensor(lambda x, scale: behind(x, np.linspace(0.02, 0.5, 15), np.exp(-np.linspace(0.02, 0.5, 15) / scale)), (0.05, 0.2)),
+     "Visintin 1994, Differential Models of Hysteresis: plays whose weights fall with their width", False, REMANENT),
     ("hysteresis", "Bouc and Wen", FAMILY, sensor(bouc_wen, (0.05, 0.3), (0.5, 0.9)), "Wen 1976, J. Eng. Mech. Div. 102, 249", True),
     ("hysteresis", "Dahl", FAMILY, sensor(dahl, (0.05, 0.3), (1.2, 2.0)),
      "Dahl 1976, AIAA J. 14, 1675: friction of walls, its exponent between 1 and 2", False),

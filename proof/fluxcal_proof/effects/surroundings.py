@@ -9,7 +9,7 @@ from .. import signal
 from ..campaign import AXES, Campaign, Run
 from ..effect import Draw, Effect, drawn, in_geo, linear
 from ..groups import Kind
-from ..response import Response, late, poles, relaxation
+from ..response import Response, damped, poles, relaxation
 
 
 def leakage(c: Campaign, axis: int, of: Callable[..., Response], steps: Sequence[Draw], fast: tuple[float, float] | None = None) -> Effect:
@@ -65,6 +65,14 @@ def rings(c: Campaign, axis: int) -> Effect:
     return gradient(c, axis, share)
 
 
+def rod(c: Campaign, axis: int) -> Effect:
+    """Iron beside the sensors that a coil magnetises along its field: a dipole, 3 r (m r) / r^5 - m / r^3. Jackson 1999, 5.6."""
+    way = c.rng.normal(size=3)
+    at, m = way / np.linalg.norm(way) * c.rng.uniform(0.3, 0.6), c.eta[:, axis]
+    dipole = lambda r: 3 * r * (m @ r) / np.linalg.norm(r) ** 5 - m / np.linalg.norm(r) ** 3
+    return gradient(c, axis, lambda run, s: c.mu[:, s] @ run.turn @ (dipole(run.turn.T @ c.positions[s] - at) - dipole(-at)), 1e-5)
+
+
 def line(c: Campaign, axis: int, load: Callable[[Campaign, int], np.ndarray], hertz: Callable[[Campaign], float]) -> Effect:
     """A field of one frequency in GEO, in each of so many recordings as strong as its load."""
     strength, frequency = load(c, len(c.runs)), hertz(c)
@@ -91,10 +99,10 @@ KINDS = [Kind(*row) for row in [
     ("nulling_leakage", "loop of two poles", "outside_field", partial(leakage, of=lambda tau: poles([tau, 0.4 * tau]), steps=[(5, 30)], fast=(0.0, 0.2)),
      "a servo with an integrator and a filter, before an ideal coil", True),
     ("nulling_leakage_across", "coils turned against the loop's sensors", "outside_field", turned_leak,
-     "a loop that feeds back along axes of its own: small rotations, Wertz 1978, 12.1", False),
-    ("nulling_leakage", "loop with a dead time", "outside_field",
-     partial(leakage, of=lambda tau, dead: relaxation(tau).then(late(dead)), steps=[(5, 30), (0.5, 2)]),
-     "a servo that computes: Franklin, Powell and Emami-Naeini", True),
+     "a loop that feeds back along axes of its own: small rotations, Wertz 1978, 12.1", True),
+    ("nulling_leakage", "loop that swings", "outside_field", partial(leakage, of=lambda tau: damped(tau, 0.6), steps=[(5, 20)], fast=(0.0, 0.2)),
+     "Franklin, Powell and Emami-Naeini: second order, damped", False),
+    ("coil_gradient", "iron rod", "position", rod, "Jackson 1999, Classical Electrodynamics, 5.6", False),
     ("coil_gradient", "five components", "position", five_components, "no sources and no curl in the test volume: symmetric, without trace", True),
     ("coil_gradient", "rings of unlike radius, block off centre", "position", rings, "Jackson 1999, Classical Electrodynamics, 5.5", False),
     ("mains", "load differs by recording", "lines",

@@ -4,8 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from .. import signal
-from ..campaign import ELECTRONICS, REFERENCE_C, SENSOR, Campaign, Run
+from ..campaign import ELECTRONICS, REFERENCE_C, SENSOR, Campaign
 from ..effect import Effect, Sensor, linear, sensor
 from ..groups import Kind
 from ..response import relaxation
@@ -14,29 +13,11 @@ from ..signal import Signal
 FOLLOWS = "follows_column"
 
 
-def gain_step(x: Sensor, share: float) -> np.ndarray:
-    first, last = x.c.runs[0].at[0], x.c.runs[-1].at[-1]
-    return x.b * (x.at > first + share * (last - first))
-
-
-def anisotropy(x: Sensor) -> np.ndarray:
-    size = np.hypot(x.b, x.u)
-    return np.sin(4 * np.arctan2(x.u, x.b)) * size / (0.2 + size)
-
-
-def tank(x: Sensor) -> np.ndarray:
-    start, end = x.run.span
-    at = np.concatenate([[start], signal.moments(x.rng, start, end, 20 * x.c.step, 70 * x.c.step), [end]])
-    last = np.clip(np.searchsorted(at, x.at, side="right") - 1, 0, len(at) - 2)
-    return (x.at - at[last]) / (at[last + 1] - at[last])
-
-
-def lorenz(of: Sensor) -> np.ndarray:
-    x, out = of.rng.normal(size=3) + [0, 0, 25], np.empty(len(of.at))
-    for i in range(len(out)):
-        for _ in range(4):
-            x = x + 0.01 * np.array([10 * (x[1] - x[0]), x[0] * (28 - x[2]) - x[1], x[0] * x[1] - 8 / 3 * x[2]])
-        out[i] = x[0] / 8
+def overload(x: Sensor, limit: float, steps: float) -> np.ndarray:
+    beyond, out = 0.0, np.empty(len(x.at))
+    for i, dt in enumerate(np.diff(x.at, prepend=x.at[0])):
+        beyond = max(beyond * np.exp(-dt / (steps * x.c.step)), float(abs(x.b[i]) > limit))
+        out[i] = beyond
     return out
 
 
@@ -53,17 +34,6 @@ def thermostat(x: Sensor, band: float) -> np.ndarray:
         state = 1.0 if value < -band else 0.0 if value > band else state
         out[i] = state
     return out
-
-
-def converter(x: Sensor, gain: float) -> np.ndarray:
-    rate = 0.11 / x.c.step + gain / x.c.step * x.column("heater_current_a")
-    return np.sin(2 * np.pi * np.cumsum(rate * np.gradient(x.at)))
-
-
-def swell(x: Sensor) -> np.ndarray:
-    centre = x.rng.uniform(0.03, 0.08) / x.c.step
-    f = centre * (1 + 0.15 * x.rng.normal(size=40))
-    return np.sin(2 * np.pi * np.outer(x.at, f) + x.rng.uniform(0, 2 * np.pi, 40)).sum(1) / 6
 
 
 def together(c: Campaign, axis: int) -> Effect:
@@ -92,25 +62,25 @@ KINDS = [Kind(*row) for row in [
     ("unnamed", "product of the three fields", "", sensor(lambda x: np.prod(x.c.plain(x.run) / 50_000, 0)), "third-order cross term of a core", True),
     ("unnamed", "product of panel current and temperature", "", sensor(lambda x: x.column("panel_current_a") * x.warm(SENSOR)),
      "a loop whose resistance goes with temperature", True),
-    ("unnamed", "gain that changes at a moment", "", sensor(gain_step, (0.3, 0.7)), "a feedback resistor that is switched", True),
-    ("unnamed", "crystal axes", "", sensor(anisotropy), "cubic anisotropy K1: sin 4 phi of the field's direction; Cullity and Graham 2009, 7.2", True),
-    ("unnamed", "tank that fills and empties", "", sensor(tank),
-     "relaxation oscillator, its period unlike each time; van der Pol 1926, Phil. Mag. 2, 978", True),
-    ("unnamed", "chaotic convection", "", sensor(lorenz), "Lorenz 1963, J. Atmos. Sci. 20, 130", True),
     ("unnamed", "heater that nobody recorded", "",
      sensor(lambda x: x.run.switched(30, 100, [0.0, 1.0]).through(relaxation(20 * x.c.step), x.run.span[0])(x.at)),
      "Joule's heat into a block that no thermometer touches", True),
-    ("unnamed", "supply that sags", "", sensor(lambda x, limit: np.maximum(sum(np.abs(i(x.at)) for i in x.run.current) - limit, 0.0), (1.0, 1.6)),
-     "a regulator that falls out of range where all coils draw current: sum of |I| beyond a limit", True),
     ("unnamed", "charge of a battery", "", sensor(charge),
-     "a loop current in proportion to the charge: the integral of the panel's current less a load", False),
+     "a loop current in proportion to the charge: the integral of the panel's current less a load", True),
     ("unnamed", "thermostat", "", sensor(thermostat, (0.1, 0.3)),
-     "a heater that nobody recorded: on below a temperature, off above another; Franklin, Powell and Emami-Naeini", False),
+     "a heater that nobody recorded: on below a temperature, off above another; Franklin, Powell and Emami-Naeini", True),
     ("unnamed", "dead band", "", sensor(lambda x, band: np.sign(x.b) * np.maximum(np.abs(x.b) - band, 0.0), (0.2, 0.5)),
-     "a comparator that does not see small fields: nothing within a band, the excess beyond it; Slotine and Li 1991", False),
-    ("unnamed", "switching converter", "", sensor(converter, (0.02, 0.08)),
-     "its ripple beats with the sampling where the load changes its frequency: sin of a phase that the load drives", False),
-    ("unnamed", "swell", "", sensor(swell), "a narrow band of waves from the sea: a resonance driven by noise; Longuet-Higgins 1957", False),
+     "a comparator that does not see small fields: nothing within a band, the excess beyond it; Slotine and Li 1991", True),
+    ("unnamed", "thermoelectric current", "", sensor(lambda x: np.gradient(x.warm(SENSOR), x.at) * x.c.length),
+     "two metals between which heat flows while the temperature changes: Pollock 1985, Thermoelectricity", False),
+    ("unnamed", "recovery from overload", "", sensor(overload, (0.5, 0.7), (10, 30)),
+     "an amplifier that is driven beyond its range and recovers: Horowitz and Hill 2015", False),
+    ("unnamed", "ripple of a supply", "", sensor(lambda x, hertz: x.b * np.real(x.run.wave(hertz / x.c.step)), (0.05, 0.45)),
+     "a line as strong as the current of the coils", False),
+    ("unnamed", "comparator across", "", sensor(lambda x, level: (x.u > level) * 1.0, (-0.3, 0.3)),
+     "a field across that trips a comparator: a step where it passes a level", False),
+    ("unnamed", "two loads on one wire", "", sensor(lambda x: x.column("panel_current_a") * x.column("heater_current_a")),
+     "a field that goes with the product of two currents", False),
     ("undecidable", "two equal temperatures", FOLLOWS, together, "sensor and electronics in one oven", True,
      ("offset_temperature", "offset_electronics_temperature")),
     ("undecidable", "two currents in proportion", FOLLOWS, currents, "a panel and its battery share a bus", True, ("stray_current",)),
