@@ -23,8 +23,8 @@ const ROUNDS: usize = 5;
 const STRIKING: usize = 6;
 /// More lines, or more steps that are striking at once, are structure of another kind, …
 const FEW: usize = 3;
-/// … and so are more of either that act.
-const MOST: [(Acting, usize); 2] = [(Acting::Line(0.0), FEW), (Acting::Step(0.0), 8)];
+/// … and so are more steps that act.
+const MOST_STEPS: usize = 8;
 
 /// What a pair's difference follows, and the pair without it.
 pub struct Found {
@@ -268,7 +268,7 @@ impl Found {
             });
             // Where there are more, none of them is adopted.
             let mut fewer = false;
-            for (like, most) in MOST {
+            for (like, most) in [(Acting::Line(0.0), FEW), (Acting::Step(0.0), MOST_STEPS)] {
                 let is_like = |one: &&(Acting, f64)| discriminant(&one.0) == discriminant(&like);
                 let chosen = self.acting.iter().filter(is_like).count();
                 if chosen > most || new.iter().filter(is_like).count() > FEW {
@@ -303,7 +303,7 @@ impl Found {
                 new.push(at_s);
             }
         }
-        if new.len() > MOST[1].1 {
+        if new.len() > MOST_STEPS {
             return false;
         }
         self.tried.extend(new.iter().map(|at_s| Acting::Step(*at_s)));
