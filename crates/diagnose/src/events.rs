@@ -15,6 +15,7 @@ use common::Axis;
 use estimate::events::{Departures, Product};
 use physics::{EffectInstance, Kind, Parameter};
 use rayon::prelude::*;
+use std::cmp::Ordering;
 
 use crate::Error;
 use crate::algebra::{columns, orthonormal};
@@ -85,14 +86,16 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
         if observed.runs[channel.run].time_s.is_none() || matches!(channel.reader, Reader::Scalar) {
             continue;
         }
+        let [earlier, later] = beside(fitter, number);
+        // Also between recordings, from the first row of one on; the level of the first recording is that of all.
         let mut search = |most: &mut Best, beyond: &Product| {
             let gains = departures.steps(beyond);
-            let inner = (2..rows.saturating_sub(1)).rev();
-            looks += inner.len() as f64;
-            inner.for_each(|row| most.consider(best(&gains, row)));
+            let first = (!earlier.is_empty()).then_some(0);
+            looks += rows as f64;
+            let places = first.into_iter().chain(2..rows.saturating_sub(1));
+            places.rev().for_each(|row| most.consider(best(&gains, row)));
         };
         search(&mut step, &Product::default());
-        let later: Vec<usize> = later(fitter, number).collect();
         if !later.is_empty() {
             let mut beyond = Product::default();
             later.iter().for_each(|other| beyond.add(&whole[*other]));
@@ -179,22 +182,21 @@ fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> 
     Ok(found)
 }
 
-/// Channels of the same sensor in later recordings.
-fn later<'f>(fitter: &'f Fitter<'_, '_>, number: usize) -> impl Iterator<Item = usize> + 'f {
+/// Channels of the same sensor in earlier and in later recordings.
+fn beside(fitter: &Fitter<'_, '_>, number: usize) -> [Vec<usize>; 2] {
     let observed = &fitter.model.observed;
-    let begins = |run: usize| {
-        let run = &observed.runs[run];
+    let begins = |channel: &Channel| {
+        let run = &observed.runs[channel.run];
         run.time_s.and_then(|time| time.first()).map(|first| first + run.setting.context.clock_s)
     };
     let own = &observed.channels[number];
-    observed
-        .channels
-        .iter()
-        .enumerate()
-        .filter(move |(_, other)| {
-            other.reader == own.reader && begins(other.run) > begins(own.run) && begins(own.run).is_some()
-        })
-        .map(|(k, _)| k)
+    let all = observed.channels.iter().enumerate().filter(|(_, other)| other.reader == own.reader);
+    [Ordering::Less, Ordering::Greater].map(|side| {
+        let there = |(_, other): &(usize, &Channel)| {
+            begins(other).zip(begins(own)).and_then(|(other, own)| other.partial_cmp(&own)) == Some(side)
+        };
+        all.clone().filter(there).map(|(k, _)| k).collect()
+    })
 }
 
 /// A spike or a step at a row, held against the residual exactly.
@@ -260,7 +262,10 @@ fn moment(
         (Addition::Effect(_), Some(axis)) if kind == Kind::Spike => {
             Some(format!("single readings of {axis}"))
         }
-        (Addition::Effect(effect), Some(_)) if matches!(channel.reader, Reader::Sensor(_)) => {
+        // Between recordings a turn of the sensors may make a step in one what is one in another: each is a name.
+        (Addition::Effect(effect), Some(_))
+            if matches!(channel.reader, Reader::Sensor(_)) && best.row > 0 =>
+        {
             let later = if alone { "" } else { " and later" };
             Some(format!("step at {} s in \"{}\"{later}", effect.parameters[1], run.recording.id))
         }

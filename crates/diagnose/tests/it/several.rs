@@ -3,7 +3,7 @@
 use crate::bench;
 
 use bench::{Scene, noise, simulated, target};
-use common::Verdict;
+use common::{Axis, Verdict};
 use diagnose::Options;
 use serde_json::{Value, json};
 
@@ -103,4 +103,18 @@ fn a_step_in_all_sensors_is_told_once() {
     }
     let model = found.model.as_ref().expect("a model");
     assert_eq!(model.effects.iter().filter(|effect| effect.effect == "reading_step").count(), 3);
+}
+
+/// A range that is changed between two recordings is a step at the first row of the second.
+#[test]
+fn a_level_that_changes_between_recordings_is_a_step() {
+    let step =
+        json!({"effect": "reading_step", "sensor": "z", "parameters": {"height_nt": 8.0, "time_s": 2200.0}});
+    let found =
+        diagnose::run(simulated(Scene::Cube, &[step], &noise(), 52), &Options::default()).expect("diagnosed");
+    let entry = &found.diagnosis.as_ref().expect("a diagnosis")[0];
+    assert_eq!(entry.verdict, Verdict::Explained, "{}", entry.answer);
+    let [step] = &entry.effects[..] else { panic!("{}", entry.answer) };
+    assert_eq!((step.effect.as_str(), step.sensor), ("reading_step", Some(Axis::Z)), "{}", entry.answer);
+    assert!((step.parameters["height_nt"].value() - 8.0).abs() < 0.3, "{}", entry.answer);
 }
