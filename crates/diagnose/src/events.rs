@@ -86,7 +86,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
         if observed.runs[channel.run].time_s.is_none() || matches!(channel.reader, Reader::Scalar) {
             continue;
         }
-        let [earlier, later] = beside(fitter, number);
+        let [earlier, later] = of_same_sensor(fitter, number);
         // Also between recordings, from the first row of one on; the level of the first recording is that of all.
         let mut search = |most: &mut Best, beyond: &Product| {
             let gains = departures.steps(beyond);
@@ -183,7 +183,7 @@ fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> 
 }
 
 /// Channels of the same sensor in earlier and in later recordings.
-fn beside(fitter: &Fitter<'_, '_>, number: usize) -> [Vec<usize>; 2] {
+fn of_same_sensor(fitter: &Fitter<'_, '_>, number: usize) -> [Vec<usize>; 2] {
     let observed = &fitter.model.observed;
     let begins = |channel: &Channel| {
         let run = &observed.runs[channel.run];
