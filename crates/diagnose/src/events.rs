@@ -87,7 +87,7 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<
             continue;
         }
         let [earlier, later] = of_same_sensor(fitter, number);
-        // Also between recordings, from the first row of one on; the level of the first recording is that of all.
+        // Also between recordings, that is, from a first row on; in the earliest that is the sensor's offset.
         let mut search = |most: &mut Best, beyond: &Product| {
             let gains = departures.steps(beyond);
             let first = (!earlier.is_empty()).then_some(0);
@@ -262,7 +262,7 @@ fn moment(
         (Addition::Effect(_), Some(axis)) if kind == Kind::Spike => {
             Some(format!("single readings of {axis}"))
         }
-        // Between recordings a turn of the sensors may make a step in one what is one in another: each is a name.
+        // Between recordings in two orientations steps in two sensors may be equivalent: each is a name of its own.
         (Addition::Effect(effect), Some(_))
             if matches!(channel.reader, Reader::Sensor(_)) && best.row > 0 =>
         {

@@ -29,7 +29,8 @@ pub struct Segments {
     jumps: Vec<ClockJump>,
 }
 
-/// Finds the clock of each segment by itself, from a known shift on, and sets how much later its times are than in the longest one.
+/// Finds the clock of each segment by itself, from a known shift on, and sets how much later its times are than in the
+/// longest one.
 ///
 /// A segment whose offset does not differ from that of the longest one (below 1 % by chance) has the same.
 pub fn find(raw: &mut Pair, start: Shift) -> Result<Segments, Error> {
