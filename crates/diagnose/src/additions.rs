@@ -4,8 +4,8 @@ use physics::{EffectInstance, Parameter, Role};
 
 use crate::Error;
 use crate::atoms::{Shape, Thing};
-use crate::candidates::searched;
 use crate::model::{Model, State};
+use crate::pool::searched;
 use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
 

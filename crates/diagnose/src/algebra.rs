@@ -1,6 +1,6 @@
 //! Sums of squares, projections and inverses of columns.
 
-use faer::Mat;
+use faer::{Mat, MatRef, Side};
 
 use crate::Error;
 
@@ -30,33 +30,24 @@ pub fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &[f64]> {
 
 /// An orthonormal basis of columns.
 pub fn orthonormal(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
-    Ok(columns * root_of_inverse(columns)?)
+    Ok(columns * root_of_inverse(columns.as_ref())?)
 }
 
 /// The inverse of JᵀJ along the directions that show; zero across them.
-pub fn inverse(jacobian: &Mat<f64>) -> Result<Mat<f64>, Error> {
+pub fn inverse(jacobian: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     let root = root_of_inverse(jacobian)?;
     Ok(&root * root.transpose())
 }
 
 /// A root of that.
-fn root_of_inverse(columns: &Mat<f64>) -> Result<Mat<f64>, Error> {
+fn root_of_inverse(columns: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     let count = columns.ncols();
-    let scale: Vec<f64> = (0..count)
-        .map(|j| match square(columns.col_as_slice(j)).sqrt() {
-            length if length > 0.0 => 1.0 / length,
-            _ => 0.0,
-        })
-        .collect();
-    let scaled =
-        Mat::from_fn(
-            columns.nrows(),
-            count,
-            |i, j| if scale[j] > 0.0 { columns[(i, j)] * scale[j] } else { 0.0 },
-        );
-    let gram = estimate::gram(scaled.as_ref());
+    let gram = estimate::gram(columns);
+    let scale: Vec<f64> =
+        (0..count).map(|j| if gram[(j, j)] > 0.0 { gram[(j, j)].sqrt().recip() } else { 0.0 }).collect();
+    let scaled = Mat::from_fn(count, count, |i, j| scale[i] * gram[(i, j)] * scale[j]);
     let failed = |reason: String| estimate::Error::Decomposition { rows: count, columns: count, reason };
-    let eigen = gram.self_adjoint_eigen(faer::Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
+    let eigen = scaled.self_adjoint_eigen(Side::Lower).map_err(|error| failed(format!("{error:?}")))?;
     let values: Vec<f64> = (0..count).map(|k| eigen.S().column_vector()[k]).collect();
     let along: Vec<usize> = (0..count).filter(|k| values[*k] > ROUNDING).collect();
     Ok(Mat::from_fn(count, along.len(), |j, k| scale[j] * eigen.U()[(j, along[k])] / values[along[k]].sqrt()))

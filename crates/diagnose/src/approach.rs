@@ -4,13 +4,12 @@
 //! found from there counts where it makes the readings likelier than what the calibration alone leaves.
 
 use common::{Document, Verdict};
-use physics::Kind;
 
 use crate::algebra::square;
-use crate::candidates::Pool;
 use crate::course::{self, Ground};
 use crate::fit::{Fit, Fitter, restricted};
 use crate::model::{Model, State};
+use crate::pool::Pool;
 use crate::proposal::Addition;
 use crate::search::Searcher;
 use crate::whitening::NoiseModel;
@@ -35,9 +34,9 @@ pub struct Approach {
 pub fn of(
     document: &Document,
     model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     (base, base_noise): (&Fit, &NoiseModel),
-    without: &[Kind],
+    pools: &dyn Fn(&State) -> Result<Pool, Error>,
 ) -> Result<Option<Approach>, Error> {
     let declared = base_noise.known > 0.0;
     let slow = (0..model.observed.channels.len()).any(|channel| base_noise.remembers(channel));
@@ -55,7 +54,7 @@ pub fn of(
     let look = searcher.look(&fitter, &fit)?;
     let events = look.events.clone();
     let ground = Ground { fit, noise: noise.clone(), look, codes: Vec::new() };
-    let answer = course::weighed(searcher, &fitter, &ground, (&events, &[]), &[])?;
+    let answer = course::weighed(searcher, &fitter, &ground, &events, &[])?;
     if answer.names.is_empty() {
         return Ok(None);
     }
@@ -69,7 +68,7 @@ pub fn of(
         if is_large { State { base: near.state.base, ..base.state.clone() } } else { base.state.clone() };
     let fitter = Fitter { model, noise: &noise };
     let fit = if is_large { fitter.at(&state)? } else { fitter.refine(&state)? };
-    let pool = is_large.then(|| Pool::of(model, &state, without)).transpose()?;
+    let pool = is_large.then(|| pools(&state)).transpose()?;
     let names = answer.names.iter().map(|name| name.name.clone()).collect();
     Ok(Some(Approach { fit, noise, names, pool }))
 }
@@ -80,7 +79,7 @@ impl Approach {
         &self,
         document: &Document,
         model: &Model<'_>,
-        searcher: &mut Searcher<'_>,
+        searcher: &mut Searcher,
         before: Vec<f64>,
         (base, base_noise): (&Fit, &NoiseModel),
         told: &dyn Fn(&str),
@@ -99,9 +98,9 @@ impl Approach {
 
 /// The log likelihood that names must gain: for the number of candidates or rows that were searched, ½
 /// ln(readings) for each unknown (the Bayesian information criterion), and the odds of a false claim.
-fn cost(searcher: &Searcher<'_>, model: &Model<'_>, (base, outcome): (&Fit, &Outcome)) -> f64 {
+fn cost(searcher: &Searcher, model: &Model<'_>, (base, outcome): (&Fit, &Outcome)) -> f64 {
     let rows = (model.observed.rows as f64).ln();
-    let candidates = (searcher.pool().candidates.len() as f64).ln();
+    let candidates = (searcher.pool.candidates.len() as f64).ln();
     let names: f64 = outcome.found.iter().map(|found| if found.local { rows } else { candidates }).sum();
     let unknowns = outcome.fit.rank.saturating_sub(base.rank) as f64;
     names + 0.5 * unknowns * rows - searcher.level.ln()

@@ -5,9 +5,10 @@ use common::Axis;
 use physics::{Acts, EffectInstance, ParameterInfo, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::candidates::{Candidate, Pool, Trial};
+use crate::candidates::{Candidate, Trial};
 use crate::covariates;
 use crate::decide::{BEYOND, NAMELESS, SIZE_STEP, STEPS_BEYOND};
+use crate::pool::Pool;
 use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
 use crate::what::What;
@@ -23,6 +24,8 @@ pub struct Atom {
     pub log_prior: f64,
     /// Its columns at each of its shapes.
     pub shapes: Vec<Shape>,
+    /// How many shapes there were before any was screened out.
+    pub tried: usize,
     /// ln of the probability of a size beforehand, and the standard deviation of each coefficient.
     pub sizes: Vec<(f64, Vec<f64>)>,
     /// Whether a column is what the effect does, so that its coefficient must be about one.
@@ -225,6 +228,7 @@ impl<'p> Atoms<'p> {
         let by_shape = self.add_columns(by_shape);
         let shape = Shape { value: None, columns, form: Some(effect.clone()), by_shape };
         self.all[number].shapes.push(shape);
+        self.all[number].tried += 1;
     }
 
     /// Adds things of one kind that happen at moments, each with a search of its own.
@@ -249,6 +253,7 @@ impl<'p> Atoms<'p> {
             name,
             log_prior: -(families.len().max(1) as f64).ln() - looks,
             shapes: vec![Shape::of(None, columns)],
+            tried: 1,
             sizes,
             finite,
         });
@@ -301,7 +306,15 @@ fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
             (Thing::Smooth(covariate.clone(), *axis), sizes(&all))
         }
     };
-    Atom { thing, name: candidate.what.name(), log_prior: 0.0, shapes, sizes, finite: candidate.finite }
+    Atom {
+        thing,
+        name: candidate.what.name(),
+        log_prior: 0.0,
+        shapes,
+        tried: candidate.tried,
+        sizes,
+        finite: candidate.finite,
+    }
 }
 
 /// Rms of a column where it is something.

@@ -1,39 +1,9 @@
-//! What could have been left out: every effect of the catalogue on everything that it can act on, with its
-//! shapes.
+//! Something that could have been left out, with its shapes; and which of them a search on some of the rows has kept.
 
-use common::Axis;
-use physics::{Acts, EffectInstance, KELVIN, Kind, ParameterInfo, Role, Thermometer};
-use rayon::prelude::*;
-use std::borrow::Cow;
+use physics::EffectInstance;
+use std::collections::{BTreeMap, BTreeSet};
 
-use crate::Error;
-use crate::channel::Run;
-use crate::generic;
-use crate::model::{Model, State};
-use crate::proposal::{Addition, Proposal};
-use crate::stacked::Stacked;
 use crate::what::What;
-
-/// Shapes that are tried: each so many times the one before, at most.
-const RATIO: f64 = 2.5;
-/// The same for effects without amplitude, whose size is their shape, to a power of five to nine for saturation:
-/// from one trial to the next it grows by less than the range in which a coefficient is about one.
-const FINE_RATIO: f64 = 1.25;
-/// Most shapes of a candidate.
-const SHAPES: usize = 16;
-/// Inflections that are tried over the range of a temperature.
-const INFLECTIONS: usize = 9;
-/// Levels of clipping that are tried.
-const CLIPS: i32 = 14;
-/// The parameter by which what depends on the past begins: demagnetised, or at rest in the first field.
-const START: &str = "start_share";
-/// Most steps into which a span is divided.
-const SPAN_STEPS: f64 = 60.0;
-/// A time constant of this share of a step is far less than one; from there on each so many times the one before.
-const BRIEF: f64 = 1e-3;
-const BRIEF_RATIO: f64 = 5.0;
-/// A time constant of more spans than these is a straight line.
-const SPANS: f64 = 3.0;
 
 /// One shape of a candidate.
 #[derive(Clone, Debug)]
@@ -53,303 +23,60 @@ pub struct Candidate {
     pub what: What,
     /// Whether its columns are what the effect does at a shape, rather than derivatives by its amplitudes.
     pub finite: bool,
-    /// The shapes.
+    /// The shapes; none of what was screened out.
     pub trials: Vec<Trial>,
+    /// How many there were before.
+    pub tried: usize,
 }
 
-/// Candidates and their columns, nT, stacked.
-#[derive(Clone, Debug, Default)]
-pub struct Pool {
-    /// The candidates.
+impl Candidate {
+    /// What tells it from all others of a pool.
+    pub fn key(&self) -> (String, bool) {
+        (self.what.name(), self.trials.first().is_some_and(|trial| trial.shape.is_some()))
+    }
+}
+
+/// Candidates of which a search on some of the rows has found some worth weighing.
+#[derive(Clone, Debug)]
+pub struct Kept {
+    /// All of them.
     pub candidates: Vec<Candidate>,
-    /// The columns.
-    pub columns: Vec<Stacked>,
-    /// Effects that are not considered.
-    pub without: Vec<Kind>,
+    /// The numbers of those that are kept, each with those of its shapes.
+    pub shapes: BTreeMap<usize, BTreeSet<usize>>,
 }
 
-impl Pool {
-    /// All that can act in the recordings of a model, some effects apart.
-    pub fn of(model: &Model<'_>, state: &State, without: &[Kind]) -> Result<Self, Error> {
-        let scale = Scale::of(model);
-        let mut templates = templates(model, state);
-        templates.retain(|effect| !is_of(effect, without));
-        let made: Vec<Option<Made>> = templates
-            .par_iter()
-            .map(|effect| make(model, state, effect, &scale))
-            .collect::<Result<_, Error>>()?;
-        let mut pool = Pool { without: without.to_vec(), ..Self::default() };
-        for (effect, made) in templates.into_iter().zip(made) {
-            if let Some((finite, trials)) = made {
-                pool.push(What::Physics(effect), finite, trials);
-            }
-        }
-        for (what, trials) in generic::all(model, state)? {
-            let trials = trials.into_iter().map(|(shape, columns)| (shape, None, columns));
-            pool.push(what, false, trials.collect());
-        }
-        Ok(pool)
+impl Kept {
+    /// The names of what is kept.
+    pub fn names(&self) -> BTreeSet<String> {
+        self.shapes.keys().map(|number| self.candidates[*number].what.name()).collect()
     }
 
-    /// Whether something that was found by itself is considered.
-    pub fn considers(&self, proposal: &Proposal) -> bool {
-        match &proposal.addition {
-            Addition::Effect(effect) => !is_of(effect, &self.without),
-            Addition::Single(_) => true,
-        }
-    }
-
-    /// For each column the first of its trial.
-    pub fn groups(&self) -> Vec<usize> {
-        let trials = self.candidates.iter().flat_map(|candidate| &candidate.trials);
-        trials.flat_map(|trial| trial.columns.iter().map(|_| trial.columns[0])).collect()
-    }
-
-    fn push(&mut self, what: What, finite: bool, trials: Vec<Tried>) {
-        let trials: Vec<Trial> = trials
-            .into_iter()
-            .filter(|(.., columns)| {
-                columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero)
-            })
-            .map(|(shape, fuller, columns)| {
-                let at = self.columns.len();
-                self.columns.extend(columns);
-                Trial { shape, fuller, columns: (at..self.columns.len()).collect() }
-            })
-            .collect();
-        if !trials.is_empty() {
-            self.candidates.push(Candidate { what, finite, trials });
-        }
-    }
-}
-
-/// Whether an effect is one of some kinds, or a fuller form of one.
-fn is_of(effect: &EffectInstance, kinds: &[Kind]) -> bool {
-    [Some(effect.kind), effect.simpler()].into_iter().flatten().any(|kind| kinds.contains(&kind))
-}
-
-/// A shape, the fuller form that has it, and its columns.
-type Tried = (Option<f64>, Option<EffectInstance>, Vec<Stacked>);
-/// Whether the columns are what the effect does, and the columns of each shape.
-type Made = (bool, Vec<Tried>);
-
-/// What times and signals span.
-struct Scale {
-    /// Shortest time from one row to the next, s.
-    step_s: f64,
-    /// Smallest and largest time constant that could show, s.
-    lag_s: [f64; 2],
-    /// Largest reading, nT.
-    reading_nt: f64,
-    /// Range of the readings, nT.
-    range_nt: f64,
-    /// Coldest and warmest sensor, K.
-    sensor_k: [f64; 2],
-}
-
-impl Scale {
-    fn of(model: &Model<'_>) -> Self {
-        let (mut step, mut span) = (f64::INFINITY, 0.0_f64);
-        for time in model.observed.runs.iter().filter_map(|run| run.time_s) {
-            let mut steps: Vec<f64> = time.windows(2).map(|t| t[1] - t[0]).filter(|s| *s > 0.0).collect();
-            steps.sort_by(f64::total_cmp);
-            if let Some(middle) = steps.get(steps.len() / 2) {
-                step = step.min(*middle);
-                span = span.max(time[time.len() - 1] - time[0]);
-            }
-        }
-        let readings: Vec<f64> = model
-            .observed
-            .channels
-            .iter()
-            .flat_map(|channel| channel.readings.iter().map(|reading| reading * channel.to_nt))
-            .collect();
-        let (low, high) =
-            readings.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(*r), h.max(*r)));
-        let sensor =
-            |run: &Run<'_>| run.setting.context.optional(Thermometer::Sensor.column()).map(Cow::into_owned);
-        let warmth: Vec<f64> = model.observed.runs.iter().filter_map(sensor).flatten().collect();
-        Self {
-            step_s: step,
-            lag_s: [0.3 * step, SPANS * span],
-            reading_nt: high.abs().max(low.abs()),
-            range_nt: high - low,
-            sensor_k: [
-                warmth.iter().copied().fold(f64::INFINITY, f64::min) + KELVIN,
-                warmth.iter().copied().fold(f64::NEG_INFINITY, f64::max) + KELVIN,
-            ],
-        }
-    }
-
-    /// Values of a shape that could show.
-    fn grid(&self, kind: Kind, info: &ParameterInfo) -> Vec<f64> {
-        if kind == Kind::OffsetTemperatureInflection {
-            let [coldest, warmest] = self.sensor_k;
-            let at = |k: usize| coldest + (warmest - coldest) * k as f64 / (INFLECTIONS + 1) as f64;
-            return if coldest < warmest { (1..=INFLECTIONS).map(at).collect() } else { Vec::new() };
-        }
-        if kind == Kind::Clipping {
-            // A level just below the largest reading cuts off few of them.
-            let level = |k: i32| self.reading_nt * (1.0 - 0.5_f64.powi(k + 1));
-            return (0..CLIPS).map(level).filter(|level| *level > info.low).collect();
-        }
-        let (mut low, mut high) = (info.low, info.high);
-        if info.name.ends_with("_s") {
-            (low, high) = (low.max(self.lag_s[0]), high.min(self.lag_s[1]));
-        } else if kind == Kind::Saturation {
-            // A level far beyond the readings does nothing.
-            (low, high) = (low.max(0.3 * self.reading_nt), high.min(2.5 * self.reading_nt));
-        } else if info.name.ends_with("_nt") {
-            high = high.min(self.range_nt);
-        }
-        if !(low > 0.0 && low < high && high.is_finite()) {
-            return info.absent.into_iter().collect();
-        }
-        if info.role == Role::Epoch {
-            let step = self.step_s.max(info.high / SPAN_STEPS);
-            return (0..=(info.high / step) as usize).map(|k| k as f64 * step).collect();
-        }
-        let sized = kind.parameters().iter().any(|info| info.role == Role::Amplitude);
-        let ratio = if sized { RATIO } else { FINE_RATIO };
-        let count = ((high / low).ln() / ratio.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
-        let grid = (0..=count as usize).map(|k| low * (high / low).powf(k as f64 / count));
-        // What is late by less than a step does as much as it is late.
-        let least = info.low.max(BRIEF * self.step_s);
-        let brief = std::iter::successors(Some(least), |value| Some(value * BRIEF_RATIO));
-        let brief = brief.take_while(|value| !sized && info.name.ends_with("_s") && *value < low);
-        brief.chain(grid).collect()
-    }
-}
-
-/// The parameter of an effect that goes through a grid: its first shape, or a span that may be nothing.
-pub fn searched(kind: Kind) -> Option<usize> {
-    let goes = |info: &ParameterInfo| match info.role {
-        Role::Amplitude => false,
-        Role::Shape => true,
-        Role::Epoch => !info.is_moment(),
-    };
-    kind.parameters().iter().position(goes)
-}
-
-/// Every effect on everything that it can act on, amplitudes zero.
-fn templates(model: &Model<'_>, state: &State) -> Vec<EffectInstance> {
-    let mut all = Vec::new();
-    for &kind in Kind::ALL {
-        // Lines, events and codes are searched by themselves, and what has no name is none.
-        let apart = |info: &ParameterInfo| info.is_moment() || info.name == "frequency_hz";
-        let apart = kind.parameters().iter().any(apart);
-        if apart || matches!(kind, Kind::Quantisation | Kind::DifferentialNonlinearity) {
-            continue;
-        }
-        let one = |axis: Option<Axis>, column: Option<String>| {
-            // Shapes beside the first, which goes through its grid, begin in the middle of what is plausible; those that
-            // a document need not give, at their absence.
-            let value = |info: &ParameterInfo| match info.role {
-                Role::Shape => info.absent.unwrap_or_else(|| info.middle()),
-                _ if info.name == "reference" => {
-                    column.as_ref().map_or(0.0, |name| model.observed.mean(name))
-                }
-                _ => 0.0,
-            };
-            let parameters = kind.parameters().iter().map(value).collect();
-            EffectInstance { column, ..EffectInstance::new(kind, axis, parameters) }
+    /// The kept shapes of an effect, each with its fuller form.
+    pub fn shapes_of(&self, what: &What) -> Vec<(Option<f64>, Option<EffectInstance>)> {
+        let name = what.name();
+        let own = self.shapes.iter().find(|(number, _)| self.candidates[**number].what.name() == name);
+        let of = |(number, shapes): (&usize, &BTreeSet<usize>)| {
+            let trials = shapes.iter().map(|shape| &self.candidates[*number].trials[*shape]);
+            trials.map(|trial| (trial.shape, trial.fuller.clone())).collect()
         };
-        match kind.about().acts {
-            Acts::OneSensor => {
-                all.extend(Axis::ALL.into_iter().filter(|a| model.reads(*a)).map(|a| one(Some(a), None)));
-            }
-            Acts::OneCoil => {
-                all.extend(Axis::ALL.into_iter().filter(|a| model.drives(*a)).map(|a| one(Some(a), None)));
-            }
-            Acts::Everything => {
-                all.push(one(None, None));
-                // A clock may be set anew for each recording.
-                let timed = model.observed.runs.iter().filter(|run| run.time_s.is_some());
-                let recordings = timed.map(|run| Some(run.recording.id.clone()));
-                let recordings: Vec<_> = recordings.filter(|_| kind == Kind::ClockOffset).collect();
-                if recordings.len() > 1 {
-                    let in_one = |recording| EffectInstance { recording, ..one(None, None) };
-                    all.extend(recordings.into_iter().map(in_one));
-                }
-            }
-            Acts::WithColumn(_) => {
-                let columns = model.observed.columns().into_iter().filter(|name| kind.takes(name));
-                all.extend(columns.map(|name| one(None, Some(name))));
-            }
-        }
+        own.map(of).unwrap_or_default()
     }
-    let there = |effect: &EffectInstance| {
-        let same = |other: &EffectInstance| other.kind == effect.kind && other.target() == effect.target();
-        state.effects.iter().any(same)
-    };
-    all.retain(|effect| !there(effect));
-    all
-}
 
-/// An effect in its fuller form: with a start at rest in the first field, or with a shape that it need not have, such
-/// as a second relaxation. None where it has that already.
-pub fn fuller(effect: &EffectInstance) -> Option<EffectInstance> {
-    let infos = effect.kind.parameters();
-    let more = (0..infos.len()).find(|k| {
-        let second = infos[*k].role == Role::Shape && Some(*k) != searched(effect.kind);
-        infos[*k].absent == Some(effect.parameters[*k]) && (second || infos[*k].name == START)
-    })?;
-    let mut effect = effect.clone();
-    effect.parameters[more] = if infos[more].name == START { 1.0 } else { infos[more].middle() };
-    Some(effect)
-}
+    /// Whether a shape of a candidate is kept.
+    pub fn keeps(&self, key: &(String, bool), shape: usize) -> bool {
+        self.shapes
+            .iter()
+            .any(|(number, shapes)| self.candidates[*number].key() == *key && shapes.contains(&shape))
+    }
 
-/// An effect as the simpler one that it is a fuller form of, with the parameters that both have.
-pub fn simpler(effect: &EffectInstance) -> Option<EffectInstance> {
-    let kind = effect.simpler()?;
-    let value = |info: &ParameterInfo| {
-        let place = effect.kind.parameters().iter().position(|own| own.name == info.name);
-        place.map_or(info.absent.unwrap_or_else(|| info.middle()), |place| effect.parameters[place])
-    };
-    let parameters = kind.parameters().iter().map(value).collect();
-    Some(EffectInstance { kind, parameters, ..effect.clone() })
-}
-
-/// The columns of an effect at each of its shapes, and of its fuller form; None where it acts nowhere.
-fn make(
-    model: &Model<'_>,
-    state: &State,
-    template: &EffectInstance,
-    scale: &Scale,
-) -> Result<Option<Made>, Error> {
-    let infos = template.kind.parameters();
-    let shape = searched(template.kind);
-    let grid: Vec<Option<f64>> = match shape {
-        Some(at) => {
-            // Without the lag it may be an effect of another name.
-            let absent =
-                infos[at].absent.filter(|_| infos[at].role == Role::Shape && template.simpler().is_none());
-            let grid = scale.grid(template.kind, &infos[at]).into_iter();
-            absent.into_iter().chain(grid.filter(|value| absent != Some(*value))).map(Some).collect()
-        }
-        None => vec![None],
-    };
-    let finite = infos.iter().all(|info| info.role != Role::Amplitude);
-    let mut first = template.clone();
-    if let (Some(at), Some(Some(value))) = (shape, grid.first()) {
-        first.parameters[at] = *value;
+    /// Candidates under the numbers that they had; what was screened out has no shapes.
+    pub fn numbered(&self, candidates: Vec<Candidate>) -> Vec<Candidate> {
+        let mut there: BTreeMap<(String, bool), Candidate> =
+            candidates.into_iter().map(|candidate| (candidate.key(), candidate)).collect();
+        let of = |candidate: &Candidate| {
+            let trials = there.remove(&candidate.key()).map(|own| own.trials).unwrap_or_default();
+            Candidate { trials, ..candidate.clone() }
+        };
+        self.candidates.iter().map(of).collect()
     }
-    let acts = model.acts(&first);
-    if !acts.contains(&true) {
-        return Ok(None);
-    }
-    let mut trials = Vec::new();
-    for fuller in std::iter::once(None).chain(fuller(template).map(Some)) {
-        for value in &grid {
-            let mut effect = fuller.as_ref().unwrap_or(template).clone();
-            if let (Some(at), Some(value)) = (shape, value) {
-                effect.parameters[at] = *value;
-            }
-            let with = model.with_acting(state, effect, acts.clone());
-            let (columns, _) = model.columns_of_last(state, &with)?;
-            let columns = columns.iter().map(|column| Stacked::of(&model.observed, column)).collect();
-            trials.push((*value, fuller.clone(), columns));
-        }
-    }
-    Ok(Some((finite, trials)))
 }

@@ -8,7 +8,6 @@ use std::collections::BTreeSet;
 use crate::additions::{at_shapes, columns_of, with_additions, without};
 use crate::algebra::square;
 use crate::atoms::{self, Atoms, Sizes};
-use crate::candidates::{fuller, simpler};
 use crate::decide::SURE;
 use crate::events;
 use crate::fit::{Fit, Fitter, settled};
@@ -18,6 +17,7 @@ use crate::lattice;
 use crate::level::Rest;
 use crate::model::{Model, State};
 use crate::moments::{follow, fresh, grouped, insignificant, same};
+use crate::pool::{fuller, simpler};
 use crate::proposal::{Addition, Proposal};
 use crate::search::{Look, Searcher};
 use crate::sets::{Member, Sets};
@@ -61,7 +61,7 @@ impl Ground {
 pub fn search(
     document: &Document,
     model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     before: Vec<f64>,
     (base, base_noise): (Fit, NoiseModel),
     mut known: Vec<String>,
@@ -80,15 +80,15 @@ pub fn search(
     let mut events: Vec<Proposal> = ground.look.events.clone();
     // Those of them that turned out not to be significant beside the rest.
     let mut dropped: Vec<Proposal> = Vec::new();
-    let mut shapes: Vec<EffectInstance> = Vec::new();
     let mut round = 0;
     let mut before_this: Option<(BTreeSet<String>, f64)> = None;
     loop {
         told(&format!("comparing sets of effects, round {}", round + 1));
         let mut answer =
-            weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, (&events, &shapes), &known)?;
+            weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, &events, &known)?;
         known = answer.names.iter().map(|name| name.name.clone()).collect();
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
+        told("fitting the likeliest together with the calibration");
         let near = beside(model, &ground, &additions, None);
         let (fit, noise, left, cost) = match near.and_then(|fit| {
             let (left, cost) = (square(&fit.white[..fit.residual.len()]), fit.cost);
@@ -108,9 +108,9 @@ pub fn search(
         round += 1;
         // Where the noise is what a residual shows, what was found is no longer a part of it.
         let from = ground.fit.state.effects.len();
-        let mut sharper = moved(&fit.state.effects[from..], &mut shapes);
+        let mut sharper = moved(&fit.state.effects[from..], &mut searcher.shapes);
         sharper |= follow(&mut events, &additions, &fit.state.effects[from..]);
-        if round <= REFITS {
+        if round <= REFITS && !searcher.is_second() {
             // What was fitted, each effect in turn in another form, and rivals whose shapes were not fitted yet.
             let mut known = shaped(&additions);
             let now = as_fitted(&additions, &fit.state.effects[from..]);
@@ -129,7 +129,7 @@ pub fn search(
                 // A rival that has no minimum is none; one that is far behind is fitted no further.
                 let Ok(fit) = beside(model, &ground, other, Some(cost + BEHIND * variance)) else { continue };
                 let fitted = &fit.state.effects[from..];
-                sharper |= moved(fitted, &mut shapes);
+                sharper |= moved(fitted, &mut searcher.shapes);
                 // A line whose frequency wanders, by Schwarz's criterion.
                 if number < forms && fit.cost < cost - rows.ln() * variance {
                     sharper |= follow(&mut events, &now, fitted);
@@ -141,6 +141,8 @@ pub fn search(
         let settled =
             before_this.is_some_and(|before| before.0 == now.0 && left > (1.0 - SETTLED) * before.1);
         before_this = Some(now);
+        // The shapes that some of the rows have shown are near enough to weigh by.
+        let sharper = sharper && !searcher.is_second();
         let further = !settled && (!more.is_empty() || quieter || sharper);
         if round < ROUNDS && (further || !insignificant.is_empty()) {
             events.retain(|event| !insignificant.iter().any(|other| same(event, other)));
@@ -153,12 +155,14 @@ pub fn search(
             }
             continue;
         }
+        told("looking at what is left");
         if answer.nothing > 1.0 - SURE && !ground.look.exceeds(searcher.level) {
             answer = answer.agrees();
         } else if !met && !answer.names.is_empty() {
             answer = answer.unexplained("the joint fit does not confirm it");
         }
         let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        told("judging each name");
         return concluded(
             model,
             before,
@@ -175,11 +179,11 @@ pub fn search(
 fn with_codes(
     document: &Document,
     model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     (fit, noise, look): (Fit, NoiseModel, Look),
 ) -> Result<Ground, Error> {
     let mut codes = lattice::proposals(document, model, &noise, &fit);
-    codes.retain(|proposal| searcher.pool().considers(proposal));
+    codes.retain(|proposal| searcher.pool.considers(proposal));
     if codes.is_empty() {
         return Ok(Ground { fit, noise, look, codes });
     }
@@ -223,21 +227,21 @@ fn certain(proposal: &Proposal) -> NamedEffect {
 
 /// Sets of atoms weighed on the ground of a search, from names that are known on, and what they say.
 pub fn weighed(
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     fitter: &Fitter<'_, '_>,
     ground: &Ground,
-    (events, shapes): (&[Proposal], &[EffectInstance]),
+    events: &[Proposal],
     known: &[String],
 ) -> Result<verdict::Answer, Error> {
     let model = fitter.model;
-    let pool = searcher.pool();
+    let pool = searcher.pool.clone();
     let mut products = searcher.products(fitter).clone();
     let measure = Sizes {
         coarse: (fitter.resolution_nt(&ground.fit) / FINE_NT).max(1.0),
         noise_nt: fitter.noise.variance().sqrt(),
         residual_nt: (square(&ground.fit.residual) / ground.fit.residual.len().max(1) as f64).sqrt(),
     };
-    let mut atoms = Atoms::of(pool, &measure);
+    let mut atoms = Atoms::of(&pool, &measure);
     for group in grouped(events) {
         let mut columns = Vec::new();
         let mut finite = false;
@@ -257,7 +261,7 @@ pub fn weighed(
             atoms.add_event(&group, columns, &ranges, finite);
         }
     }
-    for effect in shapes {
+    for effect in &searcher.shapes {
         let (columns, by_shape) = at_shapes(model, &ground.fit.state, effect)?;
         if columns.iter().chain(&by_shape).all(Stacked::is_finite) {
             atoms.add_fitted(effect, columns, by_shape);
@@ -268,6 +272,11 @@ pub fn weighed(
     let screen = searcher.screen(fitter, &ground.fit)?;
     let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
     let ranked = sets.search(known);
+    let tried = |member: &&Member| {
+        pool.candidates.get(member.atom).is_some_and(|candidate| member.shape < candidate.trials.len())
+    };
+    let weighed = ranked.iter().flat_map(|set| &set.members).filter(tried);
+    searcher.keep(weighed.map(|member| (member.atom, member.shape)));
     let mut answer = verdict::answer(&atoms, &sets, &ranked, searcher.level);
     let named = |member: &&Member| atoms.all[member.atom].is_named();
     let named: Vec<Member> = answer.members.iter().filter(named).cloned().collect();

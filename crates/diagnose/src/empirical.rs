@@ -29,7 +29,7 @@ const LOWERS: f64 = 0.01;
 pub fn adopt(
     document: &Document,
     model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     outcome: &mut Outcome,
 ) -> Result<Vec<AdoptedStructure>, Error> {
     if !matches!(outcome.verdict, Verdict::PartlyExplained | Verdict::Unexplained) {

@@ -6,6 +6,7 @@ use estimate::screen::{Gain, Products, Screen};
 use faer::Mat;
 use physics::EffectInstance;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 use crate::Error;
 use crate::algebra::{columns, square};
@@ -45,7 +46,7 @@ pub struct Fit {
     /// The same whitened, the rows of prior knowledge behind it.
     pub white: Vec<f64>,
     /// Whitened derivatives, with the same rows.
-    pub jacobian: Mat<f64>,
+    pub jacobian: Arc<Mat<f64>>,
     /// Covariance of the unknowns if the noise is as told; infinite variances for what is not determined.
     pub covariance: Mat<f64>,
     /// What comes on top of the readings' own errors in that: what forms leave, and by how much two ways to
@@ -162,6 +163,7 @@ impl Fitter<'_, '_> {
         let all: Vec<usize> = (0..jacobian.ncols()).collect();
         let Gain { covariance, rank, .. } = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
         let beyond = Mat::zeros(all.len(), all.len());
+        let jacobian = jacobian.into();
         Ok(Fit { state, residual, white, jacobian, covariance, beyond, rank, cost })
     }
 
@@ -275,9 +277,28 @@ const ESTIMATED: f64 = 0.02;
 /// The fit and the noise it rests on: where the noise is not declared, both in turn, from a fit that takes it
 /// as white. (Of the residual of a calibration that is far off, most would pass for slow noise.)
 pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
+    settled_by(document, model, start, &ITERATION)
+}
+
+/// The same from a state that is near the minimum.
+pub fn settled_near(
+    document: &Document,
+    model: &Model<'_>,
+    start: &State,
+) -> Result<(Fit, NoiseModel), Error> {
+    let damping = Damping { first: LIGHTEST, ..ITERATION.damping };
+    settled_by(document, model, start, &Control { damping, ..ITERATION })
+}
+
+fn settled_by(
+    document: &Document,
+    model: &Model<'_>,
+    start: &State,
+    control: &Control,
+) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
     let first = NoiseModel::of(document, &model.observed, start, &residual)?;
-    let fit = Fitter { model, noise: &first }.refine(start)?;
+    let fit = Fitter { model, noise: &first }.minimum(start, None, control)?;
     if first.known > 0.0 {
         return Ok((fit, first));
     }

@@ -11,14 +11,15 @@
 //! The fit is biased by CJᵀF times the true departures, whose mean square is K + ccᵀ; the covariance of that
 //! bias is added to C.
 
-use estimate::linear;
-use faer::Mat;
+use estimate::dot;
+use faer::{ColRef, Mat};
 use nalgebra::{DMatrix, DVector};
 use physics::Role;
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::additions::without;
-use crate::algebra::{columns as columns_of, left, orthonormal, square};
+use crate::algebra::{columns as columns_of, inverse, left, orthonormal, square};
 use crate::decide::FORM;
 use crate::fit::Fit;
 use crate::form::{Followed, orders};
@@ -40,12 +41,14 @@ pub fn added<'n>(
 ) -> Result<Mat<f64>, Error> {
     let followed = Followed::of(model, &fit.state)?;
     let base = model.base_columns(&fit.state)?;
-    let design = fit.jacobian.as_ref().submatrix(0, 0, model.observed.rows, base.len());
+    let design = fit.jacobian.submatrix(0, 0, model.observed.rows, base.len());
+    let inverse = inverse(design)?;
     // The part that the calibration cannot absorb, so that an effect's reference temperature makes no
     // difference.
     let seen = |mut own: Vec<f64>| -> Result<Vec<f64>, Error> {
-        let along = linear::fit(design, &noise.whiten(&model.observed, &own), None)?.coefficients;
-        for (column, along) in base.iter().zip(along) {
+        let white = noise.whiten(&model.observed, &own);
+        let along = &inverse * (design.transpose() * ColRef::from_slice(&white));
+        for (column, along) in base.iter().zip(along.iter()) {
             own.iter_mut().zip(column).for_each(|(own, base)| *own -= along * base);
         }
         Ok(own)
@@ -104,7 +107,6 @@ fn mixture(fit: &Fit, number: usize) -> Vec<State> {
 /// What whitened departures of these standard deviations beforehand add to the covariance of a fit.
 fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<f64>, Error> {
     let (unknowns, count) = (fit.jacobian.ncols(), departures.len());
-    let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
     // What nothing determines takes no part in it.
     let known = |k: usize| fit.covariance[(k, k)].is_finite();
     let covariance =
@@ -123,7 +125,7 @@ fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<
     let along = DMatrix::from_fn(unknowns, count, |i, j| dot(fit.jacobian.col_as_slice(i), &scaled[j]));
     let moved = &covariance * &along;
     let basis = orthonormal(&fit.jacobian)?;
-    let beside: Vec<Vec<f64>> = scaled.iter().map(|column| left(columns_of(&basis), column)).collect();
+    let beside: Vec<Vec<f64>> = scaled.par_iter().map(|column| left(columns_of(&basis), column)).collect();
     let own = DMatrix::from_fn(count, count, |i, j| dot(&beside[i], &beside[j]));
     let Some(factor) = (DMatrix::identity(count, count) + own).cholesky() else {
         return Err(Error::Unanswerable("what the effects' forms leave is not finite".into()));
@@ -164,7 +166,7 @@ mod tests {
             residual: vec![0.0; rows],
             white: vec![0.0; rows],
             covariance: Mat::from_fn(1, 1, |_, _| 1.0 / energy),
-            jacobian,
+            jacobian: jacobian.into(),
             beyond: Mat::zeros(1, 1),
             rank: 1,
             cost: 0.0,

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use physics::Kind;
 use physics::memory::{Before, Signal};
 use rayon::prelude::*;
+use std::collections::BTreeSet;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
@@ -44,19 +45,37 @@ pub type Series = [Option<Vec<f64>>];
 /// A candidate with the columns of its shapes.
 type Generic = (What, Vec<(Option<f64>, Vec<Stacked>)>);
 
-/// All of them.
-pub fn all(model: &Model<'_>, state: &State) -> Result<Vec<Generic>, Error> {
+/// All of them, or those of some names.
+pub fn all(
+    model: &Model<'_>,
+    state: &State,
+    names: Option<&BTreeSet<String>>,
+) -> Result<Vec<Generic>, Error> {
     let fields = fields(model, state)?;
     let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| model.reads(*axis)).collect();
-    let found: Vec<Vec<Generic>> = axes.into_par_iter().map(|axis| of_sensor(model, axis, &fields)).collect();
+    let found: Vec<Vec<Generic>> =
+        axes.into_par_iter().map(|axis| of_sensor(model, axis, &fields, names)).collect();
     Ok(found.concat())
 }
 
 /// Those of one sensor.
-fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec<Generic> {
-    let mut all = Vec::new();
+fn of_sensor(
+    model: &Model<'_>,
+    axis: Axis,
+    fields: &[Vec<Vector3<f64>>],
+    names: Option<&BTreeSet<String>>,
+) -> Vec<Generic> {
+    let name = |covariate: &str| What::Smooth { covariate: covariate.into(), axis }.name();
+    let is_kept = |covariate: &str| names.is_none_or(|names| names.contains(&name(covariate)));
+    // What is kept, and the factors of products that are.
+    let factors: BTreeSet<String> =
+        names.into_iter().flatten().flat_map(|one| one.split(TIMES).map(str::to_string)).collect();
+    let is_needed = |covariate: &str| {
+        is_kept(covariate) || factors.contains(covariate) || factors.contains(&name(covariate))
+    };
+    let mut all: Vec<Generic> = Vec::new();
     let span = model.observed.span();
-    if let Some(span) = span {
+    if let Some(span) = span.filter(|_| is_needed("time_s")) {
         let waves = (1..=WAVES)
             .map(|k| {
                 stack(model, axis, |run, channel| {
@@ -68,7 +87,7 @@ fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec
         all.push((What::Smooth { covariate: "time_s".into(), axis }, vec![(None, waves)]));
     }
     let untimed = |run: &Run<'_>| run.time_s.is_none() && run.setting.context.rows >= ROWS;
-    if model.observed.runs.iter().any(untimed) {
+    if is_needed("row") && model.observed.runs.iter().any(untimed) {
         let waves = (1..=WAVES)
             .map(|k| {
                 stack(model, axis, |run, channel| {
@@ -81,37 +100,40 @@ fn of_sensor(model: &Model<'_>, axis: Axis, fields: &[Vec<Vector3<f64>>]) -> Vec
             .collect();
         all.push((What::Smooth { covariate: "row".into(), axis }, vec![(None, waves)]));
     }
-    for (number, other) in Axis::ALL.into_iter().enumerate() {
+    let field = |other: Axis| if other == axis { ALONG.to_string() } else { across(other) };
+    for (number, other) in Axis::ALL.into_iter().enumerate().filter(|(_, other)| is_needed(&field(*other))) {
         let values = |run: usize| fields[run].iter().map(|field| field[number]).collect::<Vec<f64>>();
-        let name = if other == axis { ALONG.to_string() } else { across(other) };
-        all.extend(powers(model, axis, name, |run| Some(values(run))));
+        all.extend(powers(model, axis, field(other), |run| Some(values(run))));
     }
-    all.extend(with_time(model, axis, fields, span));
-    for other in Axis::ALL {
+    if is_needed(&format!("{ALONG}{WITH_TIME}")) {
+        all.extend(with_time(model, axis, fields, span));
+    }
+    for other in Axis::ALL.into_iter().filter(|other| is_needed(&format!("{PAST}{}", field(*other)))) {
         all.extend(history(model, axis, other, fields));
     }
-    for name in KNOWN {
+    let recorded = model.observed.columns().into_iter().filter(|name| Kind::Empirical.takes(name));
+    for covariate in KNOWN.map(str::to_string).into_iter().chain(recorded) {
+        let name = covariate.as_str();
         let column = |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
-        all.extend(powers(model, axis, name.into(), column));
-        all.extend(thresholds(model, axis, name.into(), column));
-        if name.contains("temperature") {
+        if is_needed(name) {
+            all.extend(powers(model, axis, name.into(), column));
+            all.extend(thresholds(model, axis, name.into(), column));
+        }
+        if KNOWN.contains(&name) && name.contains("temperature") && is_needed(&format!("{RATE}{name}")) {
             all.extend(rate(model, axis, name));
         }
     }
-    for name in model.observed.columns().into_iter().filter(|name| Kind::Empirical.takes(name)) {
-        let column =
-            |run: usize| model.observed.runs[run].setting.context.optional(&name).map(|c| c.to_vec());
-        all.extend(powers(model, axis, name.clone(), column));
-        all.extend(thresholds(model, axis, name.clone(), column));
+    if is_needed(LOAD) {
+        all.extend(powers(model, axis, LOAD.into(), |run| values(model, fields, run, Some(axis), LOAD)));
     }
-    all.extend(powers(model, axis, LOAD.into(), |run| values(model, fields, run, Some(axis), LOAD)));
-    let pairs = products(&all);
+    let pairs = products(&all, &is_kept);
     all.extend(pairs);
+    all.retain(|(what, _)| matches!(what, What::Smooth { covariate, .. } if is_kept(covariate)));
     all
 }
 
 /// What follows the product of two: that, and each of them.
-fn products(all: &[Generic]) -> Vec<Generic> {
+fn products(all: &[Generic], is_kept: &dyn Fn(&str) -> bool) -> Vec<Generic> {
     let straight = all.iter().filter_map(|(what, trials)| match (what, &trials[..]) {
         (What::Smooth { covariate, axis }, [(None, columns)]) => Some((covariate, *axis, columns.first()?)),
         _ => None,
@@ -124,11 +146,15 @@ fn products(all: &[Generic]) -> Vec<Generic> {
         .flat_map(|(k, one)| straight[k + 1..].iter().map(move |other| (one, other)));
     let of =
         |((name, axis, one), (of, _, other)): (&(&String, Axis, &Stacked), &(&String, Axis, &Stacked))| {
+            let covariate = format!("{name}{TIMES}{of}");
+            if !is_kept(&covariate) {
+                return None;
+            }
             let product = one.times(|channel| other.part(channel).map(<[f64]>::to_vec));
-            let what = What::Smooth { covariate: format!("{name}{TIMES}{of}"), axis: *axis };
-            (what, vec![(None, vec![product, (*one).clone(), (*other).clone()])])
+            let columns = vec![product, (*one).clone(), (*other).clone()];
+            Some((What::Smooth { covariate, axis: *axis }, vec![(None, columns)]))
         };
-    pairs.map(of).collect()
+    pairs.filter_map(of).collect()
 }
 
 /// The field along a sensor times functions of time, a sensitivity that moves: half waves, and levels before and after

@@ -57,12 +57,12 @@ pub fn adopted(
     known: usize,
 ) -> Result<(Uncertainty, Vec<String>), Error> {
     let rows = model.observed.rows;
-    let readings = fit.jacobian.as_ref().submatrix(0, 0, rows, fit.jacobian.ncols());
-    let inverse = inverse(&fit.jacobian)?;
+    let readings = fit.jacobian.submatrix(0, 0, rows, fit.jacobian.ncols());
+    let inverse = inverse(fit.jacobian.as_ref().as_ref())?;
     let met = &inverse * (readings.transpose() * readings);
     // Where the document states nothing, what the recordings do not show has no uncertainty that could be
     // told.
-    let shown = &inverse * (fit.jacobian.transpose() * &fit.jacobian);
+    let shown = &inverse * (fit.jacobian.transpose() * &*fit.jacobian);
     let unknown =
         |k: usize| k < model.unknowns.len() && joint.sources.is_empty() && 1.0 - shown[(k, k)] > SHOWN;
     let places = places(document, model, fit, (&joint, known), &unknown);

@@ -11,7 +11,7 @@
 //!   effects, columns) with residual and derivatives from `predict_with_jacobian` (`model/step`: steps along
 //!   which readings are linear). `whitening` is the noise, in one pass at any times; `fit` the minimum, and
 //!   the prediction of held-out readings (`held_out`).
-//! - `candidates` and `generic` make the pool of columns; `stacked` holds them channel by channel; `products`
+//! - `pool` and `generic` make columns of all `candidates`; `stacked` holds them channel by channel; `products`
 //!   whitens them and forms the products that are asked for; `projection` takes out of them what a fit has unknown.
 //! - `search` looks at one residual: what stands out, and its probability by chance. Chance is a bootstrap in
 //!   whitened space (the maximum over all candidates and shapes), where the base fit is linear: a thousand
@@ -70,10 +70,12 @@ mod next;
 mod observed;
 mod plain;
 mod plausible;
+mod pool;
 mod products;
 mod projection;
 mod proposal;
 mod report;
+mod screened;
 mod search;
 mod sets;
 mod sized;
@@ -93,12 +95,11 @@ use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Verdict,
 use indexmap::IndexMap;
 use physics::{Kind, References};
 
-use crate::candidates::Pool;
-use crate::fit::{Fit, settled};
+use crate::fit::Fit;
 use crate::model::Model;
 use crate::observed::Observed;
 use crate::proposal::Addition;
-use crate::search::{Look, Searcher};
+use crate::search::Look;
 use crate::whitening::NoiseModel;
 
 /// What is asked for.
@@ -271,32 +272,8 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     let mut observed = Observed::of(&original)?;
     observed.notes.splice(0..0, notes);
     let (model, start) = Model::of(&original, observed)?;
-    let before = model.residual(&start)?;
-    told("refitting the calibration");
-    let (base, base_noise) = settled(&original, &model, &start)?;
-    let notes = linear::worse(&model, &start, (&base, &base_noise))?;
-    let pool = Pool::of(&model, &base.state, &options.without)?;
-    let mut searcher = Searcher::new(&pool, options.seed, options.level);
-    told(&format!("searching among {} candidates", pool.candidates.len()));
-    let near = approach::of(&original, &model, &mut searcher, (&base, &base_noise), &options.without)?;
-    let other = near.as_ref().and_then(|near| near.pool.as_ref());
-    let mut about = other.map(|pool| Searcher::new(pool, options.seed, options.level));
-    let found = match &near {
-        Some(near) => {
-            let own = about.as_mut().unwrap_or(&mut searcher);
-            near.search(&original, &model, own, before.clone(), (&base, &base_noise), told)?
-        }
-        None => None,
-    };
-    let (mut outcome, mut searcher) = match found {
-        Some(found) => (found, about.unwrap_or(searcher)),
-        None => {
-            let from = (base, base_noise);
-            (course::search(&original, &model, &mut searcher, before, from, Vec::new(), told)?, searcher)
-        }
-    };
+    let (mut outcome, mut searcher) = screened::search(&original, (&model, &start), options, told)?;
     told("writing the answer");
-    outcome.notes.extend(notes);
     stands::standing(&original, &model, &start, &mut outcome)?;
     plausible::judge(&model, &mut outcome);
     let mut fit = report::fit(&model, &mut searcher, &outcome)?;

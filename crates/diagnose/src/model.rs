@@ -18,6 +18,7 @@ pub use unknown::Unknown;
 
 use common::{Axis, Document};
 use physics::{Parameter, Unit, frames};
+use std::sync::Mutex;
 
 use crate::Error;
 use crate::observed::Observed;
@@ -28,7 +29,7 @@ impl<'a> Model<'a> {
     pub fn of(document: &'a Document, observed: Observed<'a>) -> Result<(Self, State), Error> {
         let settings = settings(&observed);
         let (unknowns, priors) = possible(document, &observed, &settings).into_iter().unzip();
-        let mut model = Self { observed, unknowns, priors, settings };
+        let mut model = Self { observed, unknowns, priors, settings, acting: Mutex::default() };
         let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
         let mut state = State {
             base: vec![0.0; model.unknowns.len()],

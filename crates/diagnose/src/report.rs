@@ -21,6 +21,7 @@ use crate::search::Searcher;
 use crate::what::{What, named};
 use crate::{Error, NamedEffect, Options, Outcome, experiment, moved, plain};
 
+pub use detectable::detectable;
 pub use effects::quantities;
 pub use residuals::fit;
 
@@ -28,7 +29,7 @@ pub use residuals::fit;
 pub fn report(
     document: &Document,
     model: &Model<'_>,
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     outcome: &Outcome,
     fit: Residual,
     options: &Options,
@@ -131,7 +132,7 @@ pub fn report(
         energy,
         base_shift: moved::shifts(model, outcome),
         series: series::series(model, outcome, &guilty, &fields),
-        detectable: detectable::detectable(searcher, outcome, &fitter, options)?,
+        detectable: detectable(searcher, outcome, &fitter, options)?,
         remaining: Some(Remaining {
             white: !left,
             p_value: omnibus,

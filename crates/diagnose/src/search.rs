@@ -1,21 +1,29 @@
 //! A look at what a fit has left: which candidates stand out of it, and how probable that is by chance.
 
+use common::Detectable;
 use estimate::screen::{Chance, Screen, Search};
 use noise::Stream;
+use physics::EffectInstance;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
-use crate::Error;
-use crate::candidates::{Candidate, Pool};
+use crate::candidates::Candidate;
 use crate::codes;
 use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
 use crate::model::State;
+use crate::pool::Pool;
 use crate::products::Products;
 use crate::projection::Projection;
 use crate::proposal::{Addition, Proposal};
 use crate::what::{What, named};
 use crate::whitening::NoiseModel;
+use crate::{Error, Options};
+
+/// So many candidates of each look are kept, those that are worth most.
+const STRIKING: usize = 12;
 
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
 const FAMILIES: f64 = 5.0;
@@ -76,35 +84,54 @@ impl Look {
 }
 
 /// A search over one pool of candidates.
-pub struct Searcher<'p> {
-    pool: &'p Pool,
+pub struct Searcher {
+    /// The candidates with their columns.
+    pub pool: Arc<Pool>,
     /// The products of the pool's columns, and the noise that whitened them.
     white: Option<(NoiseModel, Products)>,
-    chance: Option<Chance>,
+    /// How great gains are by chance.
+    pub chance: Option<Chance>,
     seed: u64,
     /// Probability of a false alarm.
     pub level: f64,
+    /// Candidates of all sets that were weighed, and what stood out, each with its shapes.
+    pub kept: BTreeMap<usize, BTreeSet<usize>>,
+    /// The shapes to which fits came.
+    pub shapes: Vec<EffectInstance>,
+    /// What all could have shown, where a search on some of the rows went before.
+    pub detectable: Option<Vec<Detectable>>,
 }
 
-impl<'p> Searcher<'p> {
-    /// Over a pool, claims at a level.
-    pub fn new(pool: &'p Pool, seed: u64, level: f64) -> Self {
-        Self { pool, white: None, chance: None, seed, level }
+impl Searcher {
+    /// Over a pool.
+    pub fn new(pool: Pool, options: &Options) -> Self {
+        Self {
+            pool: pool.into(),
+            white: None,
+            chance: None,
+            seed: options.seed,
+            level: options.level,
+            kept: BTreeMap::new(),
+            shapes: Vec::new(),
+            detectable: None,
+        }
     }
 
-    /// The candidates.
-    pub fn candidates(&self) -> &[Candidate] {
-        &self.pool.candidates
+    /// Whether a search on some of the rows went before: it has shown shapes.
+    pub fn is_second(&self) -> bool {
+        self.detectable.is_some()
+    }
+
+    /// Keeps candidates, each with the number of a shape.
+    pub fn keep(&mut self, of: impl Iterator<Item = (usize, usize)>) {
+        of.for_each(|(number, shape)| {
+            self.kept.entry(number).or_default().insert(shape);
+        });
     }
 
     /// The probability of one shape of a candidate at which it is claimed.
     pub fn threshold(&self, candidate: usize, level: f64) -> f64 {
         self.chance.as_ref().map_or(level, |chance| chance.threshold(candidate, level / FAMILIES))
-    }
-
-    /// The candidates with their columns.
-    pub fn pool(&self) -> &'p Pool {
-        self.pool
     }
 
     /// The products of the pool's columns.
@@ -176,14 +203,15 @@ impl<'p> Searcher<'p> {
         let mut names = Vec::new();
         let log_rows = (fit.white.len() as f64).ln();
         let mut structures: Vec<Structure> = Vec::new();
+        let mut striking: Vec<(f64, usize, usize)> = Vec::new();
         let mut least_p = 1.0_f64;
         for (number, (candidate, search)) in self.pool.candidates.iter().zip(&searches).enumerate() {
             if already(&fit.state, candidate) {
                 continue;
             }
-            let mut best: Option<(f64, f64, usize, Option<f64>)> = None;
+            let mut best: Option<(f64, f64, usize, usize)> = None;
             let mut sizes = Vec::new();
-            for (group, trial) in search.iter().zip(&candidate.trials) {
+            for (trial, group) in search.iter().enumerate() {
                 let gain = screen.gain(group)?;
                 let p = rest.p(gain.gain, gain.rank);
                 sizes.push((gain.gain, gain.coefficients.first().copied().unwrap_or(0.0)));
@@ -191,12 +219,14 @@ impl<'p> Searcher<'p> {
                     .as_ref()
                     .is_none_or(|(least, most, ..)| p < *least || (p == *least && gain.gain > *most))
                 {
-                    best = Some((p, gain.gain, gain.rank, trial.shape));
+                    best = Some((p, gain.gain, gain.rank, trial));
                 }
             }
-            let Some((p, gain, rank, shape)) = best else { continue };
+            let Some((p, gain, rank, trial)) = best else { continue };
+            let shape = candidate.trials[trial].shape;
             let chance =
                 self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
+            striking.push((gain - rank as f64 * log_rows, number, trial));
             least_p = least_p.min(families(chance));
             if families(chance) >= self.level {
                 continue;
@@ -218,6 +248,9 @@ impl<'p> Searcher<'p> {
                 }
             }
         }
+        striking.sort_by(|a, b| b.0.total_cmp(&a.0));
+        striking.truncate(STRIKING);
+        self.keep(striking.into_iter().map(|(_, number, trial)| (number, trial)));
         let (line, events) = self.events(fitter, fit, &rest)?;
         for event in &events {
             least_p = least_p.min(families(event.p));

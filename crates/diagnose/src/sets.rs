@@ -261,7 +261,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
             for (log_size, deviations) in &atom.sizes {
                 let deviations = &deviations[..atom.shapes[shape].columns.len()];
                 let Some(further) = block.further(deviations) else { continue };
-                let log_prior = atom.log_prior + log_size - (atom.shapes.len() as f64).ln();
+                let log_prior = atom.log_prior + log_size - (atom.tried as f64).ln();
                 let log = given.log_evidence(&self.rest, Some(further)) + log_prior;
                 if atom.finite && !self.possible(atom, shape, block.coefficients(deviations)?[0]) {
                     continue;

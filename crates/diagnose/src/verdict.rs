@@ -416,7 +416,7 @@ fn by_chance(rest: &Rest, atom: &Atom, gain: f64, rank: usize) -> f64 {
 }
 
 fn member_prior(atom: &Atom) -> f64 {
-    atom.log_prior - (atom.shapes.len() as f64).ln()
+    atom.log_prior - (atom.tried as f64).ln()
 }
 
 fn is_local(atom: &Atom) -> bool {

@@ -121,18 +121,20 @@ fn slopes<const N: usize>(
     });
     let fields = if behind { fields.lift() } else { chain.fields()? };
     let readings = chain.read(&fields.sen, &fields.coil)?;
-    let of = |series: &[Vector3<Dual<N>>], lane: usize| {
-        series.iter().map(|v| v.map(|value| slope(&value, lane))).collect()
+    let zero = |series: &[Vector3<Dual<N>>]| vec![vec![Vector3::zeros(); series.len()]; parameters.len()];
+    // All in one pass: a row of numbers with derivatives is long.
+    let of = |series: &[Vector3<Dual<N>>]| {
+        let mut all = vec![Vec::with_capacity(series.len()); parameters.len()];
+        for v in series {
+            all.iter_mut().enumerate().for_each(|(lane, own)| own.push(v.map(|value| slope(&value, lane))));
+        }
+        all
     };
-    let of_field = |series: &[Vector3<Dual<N>>], lane: usize| {
-        if behind { vec![Vector3::zeros(); series.len()] } else { of(series, lane) }
-    };
-    let prediction = |lane: usize| Prediction {
-        field_geo: of_field(&fields.geo, lane),
-        field_sen: of_field(&fields.sen, lane),
-        readings: of(&readings, lane),
-    };
-    Ok((0..parameters.len()).map(prediction).collect())
+    let [geo, sen] = [&fields.geo, &fields.sen].map(|series| if behind { zero(series) } else { of(series) });
+    let series = geo.into_iter().zip(sen).zip(of(&readings));
+    Ok(series
+        .map(|((field_geo, field_sen), readings)| Prediction { field_geo, field_sen, readings })
+        .collect())
 }
 
 /// Parameters that move together, each by how much.

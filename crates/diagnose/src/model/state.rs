@@ -3,10 +3,13 @@
 use common::Axis;
 use nalgebra::Vector3;
 use physics::{EffectInstance, Kind, Role, Unit};
+use std::collections::BTreeMap;
+use std::sync::Mutex;
 
 use super::unknown::Unknown;
 use crate::channel::Reader;
 use crate::observed::Observed;
+use crate::what::named;
 
 /// A single reading that is off by itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -75,6 +78,8 @@ pub struct Model<'a> {
     pub priors: Vec<Option<f64>>,
     /// The setting of the block of each run.
     pub(super) settings: Vec<usize>,
+    /// Which effects can act in which runs, as far as that was asked.
+    pub(super) acting: Mutex<BTreeMap<(usize, String), bool>>,
 }
 
 impl Model<'_> {
@@ -99,12 +104,20 @@ impl Model<'_> {
 
     /// Whether an effect acts in a run: it belongs there, and all that it needs is recorded.
     pub fn can_act(&self, run: usize, effect: &EffectInstance) -> bool {
-        let run = &self.observed.runs[run];
+        let (number, run) = (run, &self.observed.runs[run]);
         let elsewhere = effect.recording.as_ref().is_some_and(|only| *only != run.recording.id);
-        !elsewhere
-            && effect.kind.acts_in(&run.recording.procedure)
-            && physics::predict(&run.setting.basic, std::slice::from_ref(effect), &run.setting.context)
-                .is_ok()
+        if elsewhere || !effect.kind.acts_in(&run.recording.procedure) {
+            return false;
+        }
+        let key = (number, named(effect));
+        if let Some(known) = self.acting.lock().ok().and_then(|acting| acting.get(&key).copied()) {
+            return known;
+        }
+        let can = physics::predict(&run.setting.basic, std::slice::from_ref(effect), &run.setting.context);
+        if let Ok(mut acting) = self.acting.lock() {
+            acting.insert(key, can.is_ok());
+        }
+        can.is_ok()
     }
 
     /// Parameters of a state's effects that are fitted: all that have a derivative.

@@ -3,7 +3,7 @@
 use common::Detectable;
 use estimate::stats::chi_squared_quantile;
 use indexmap::IndexMap;
-use physics::Role;
+use physics::{EffectInstance, Role};
 
 use crate::fit::Fitter;
 use crate::search::Searcher;
@@ -15,19 +15,26 @@ const NINE_OF_TEN: f64 = 1.2816;
 
 /// For each candidate of the catalogue that was not found, the smallest size that would have been claimed
 /// nine times in ten.
-pub(super) fn detectable(
-    searcher: &mut Searcher<'_>,
+pub fn detectable(
+    searcher: &mut Searcher,
     outcome: &Outcome,
     fitter: &Fitter<'_, '_>,
     options: &Options,
 ) -> Result<Vec<Detectable>, Error> {
+    let is_found = |one: &Detectable| {
+        let of = |effect: &EffectInstance| one.effect == effect.kind.name() && one.target == target(effect);
+        outcome.fit.state.effects.iter().any(of)
+    };
+    if let Some(detectable) = &searcher.detectable {
+        return Ok(detectable.iter().filter(|one| !is_found(one)).cloned().collect());
+    }
     let (_, screen) = searcher.screen(fitter, &outcome.fit)?;
     let scale = outcome.last.rest.scale();
     let mut all: Vec<Detectable> = Vec::new();
-    for (number, candidate) in searcher.candidates().iter().enumerate() {
+    for (number, candidate) in searcher.pool.candidates.iter().enumerate() {
         let What::Physics(effect) = &candidate.what else { continue };
         // Once for each name, whatever it begins with.
-        let target = effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone());
+        let target = target(effect);
         let is_told = |one: &Detectable| one.effect == effect.kind.name() && one.target == target;
         if effect.recording.is_some()
             || all.iter().any(is_told)
@@ -79,4 +86,9 @@ pub(super) fn detectable(
         });
     }
     Ok(all)
+}
+
+/// What an effect acts on.
+fn target(effect: &EffectInstance) -> Option<String> {
+    effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone())
 }

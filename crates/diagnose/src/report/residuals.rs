@@ -16,7 +16,7 @@ pub(super) fn floor(outcome: &Outcome) -> f64 {
 }
 
 /// What the fits leave of all readings and of those left out, beside plain regressions.
-pub fn fit(model: &Model<'_>, searcher: &mut Searcher<'_>, outcome: &Outcome) -> Result<Residual, Error> {
+pub fn fit(model: &Model<'_>, searcher: &mut Searcher, outcome: &Outcome) -> Result<Residual, Error> {
     let fitter = &Fitter { model, noise: &outcome.noise };
     let base = Fitter { model, noise: &outcome.base_noise };
     let held_before = held_out_nt(model, &base.held_out(&outcome.base)?, &outcome.base);

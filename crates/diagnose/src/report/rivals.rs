@@ -6,20 +6,21 @@ use faer::Mat;
 use physics::Acts;
 
 use super::residuals::{held_out_nt, rms};
-use crate::candidates::{Candidate, searched};
+use crate::candidates::Candidate;
 use crate::fit::{Fit, Fitter};
+use crate::pool::searched;
 use crate::search::Searcher;
 use crate::what::What;
 use crate::{Error, Outcome};
 
 pub(super) fn rivals(
     fitter: &Fitter<'_, '_>,
-    searcher: &mut Searcher<'_>,
+    searcher: &mut Searcher,
     outcome: &Outcome,
 ) -> Result<Vec<PlainRegression>, Error> {
     let base = fitter.at(&outcome.base.state)?;
     let (mut projection, mut screen) = searcher.screen(fitter, &base)?;
-    let pool = searcher.pool();
+    let pool = searcher.pool.clone();
     let mut products = searcher.products(fitter).clone();
     let named = pool.candidates.iter().filter(|one| !matches!(one.what, What::Smooth { .. }));
     let (names, groups): (Vec<String>, Vec<&[usize]>) = named
@@ -61,7 +62,7 @@ pub(super) fn rivals(
 }
 
 /// A fit with further columns of the pool beside its own.
-fn beside(fitter: &Fitter<'_, '_>, searcher: &mut Searcher<'_>, base: &Fit, columns: &[usize]) -> Fit {
+fn beside(fitter: &Fitter<'_, '_>, searcher: &mut Searcher, base: &Fit, columns: &[usize]) -> Fit {
     let products = searcher.products(fitter);
     let observed = &fitter.model.observed;
     let more: Vec<Vec<f64>> = columns.iter().map(|column| products.column(*column).dense(observed)).collect();
@@ -70,5 +71,5 @@ fn beside(fitter: &Fitter<'_, '_>, searcher: &mut Searcher<'_>, base: &Fit, colu
         None => base.jacobian[(i, j)],
         Some(column) => more[column].get(i).copied().unwrap_or(0.0),
     };
-    Fit { jacobian: Mat::from_fn(base.white.len(), own + more.len(), value), ..base.clone() }
+    Fit { jacobian: Mat::from_fn(base.white.len(), own + more.len(), value).into(), ..base.clone() }
 }

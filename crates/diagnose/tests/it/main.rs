@@ -13,6 +13,7 @@ mod help;
 mod joined;
 mod joint;
 mod laws;
+mod long;
 mod moved;
 mod nasa;
 mod noise;

@@ -142,15 +142,19 @@ fn add_gradients<T: Real>(
     signal: &mut [Vector3<T>],
 ) {
     let g = AXISYMMETRIC.map(T::from);
+    let mut all = Vec::new();
     for coil in Axis::ALL {
         let gradient = context.gradient_nt_per_m_a[coil.index()];
         for sensor in Axis::ALL.into_iter().filter(|_| gradient != 0.0) {
             let seen = seen_by_row(basic, context, (coil, &g), sensor, &places[sensor.index()]);
-            for (row, value) in signal.iter_mut().enumerate() {
-                let strength = gradient * context.current_a[row][coil.index()];
-                if strength != 0.0 {
-                    value[sensor.index()] += seen(row) * strength;
-                }
+            all.push((coil.index(), sensor.index(), gradient, seen));
+        }
+    }
+    for (row, value) in signal.iter_mut().enumerate().filter(|_| !all.is_empty()) {
+        for (coil, sensor, gradient, seen) in &all {
+            let strength = *gradient * context.current_a[row][*coil];
+            if strength != 0.0 {
+                value[*sensor] += seen(row) * strength;
             }
         }
     }
