@@ -23,7 +23,7 @@ use crate::what::What;
 use crate::{Error, Options, Outcome};
 
 /// Readings on which a longer campaign is screened, in blocks of so many rows of a recording.
-const READINGS: usize = 8_192;
+const READINGS: usize = 4_096;
 const BLOCK: usize = 256;
 /// A campaign of no more than so many times as many readings is not screened.
 const LONGER: usize = 2;
