@@ -1,6 +1,6 @@
 //! NASA's CDF: variables as columns, what their attributes say of units, fill values and valid ranges.
 
-use ::cdf::{Cdf, Values, Variable};
+use crate::nasa::{Cdf, Values, Variable};
 use common::number::counted;
 use tables::Place;
 

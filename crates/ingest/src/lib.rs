@@ -24,6 +24,7 @@ mod iaga;
 mod imagcdf;
 mod jumps;
 mod mapping;
+mod nasa;
 mod ndjson;
 mod number;
 mod parquet;

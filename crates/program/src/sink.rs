@@ -1,10 +1,10 @@
 //! Where text goes: standard output, or a file that is there whole or not at all.
 
 use common::Error;
-use files::Unfinished;
 use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use tables::files::{self, Unfinished};
 
 use crate::progress;
 

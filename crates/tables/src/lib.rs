@@ -20,6 +20,7 @@
 mod beside;
 mod content;
 mod error;
+pub mod files;
 mod format;
 mod read;
 mod write;

@@ -1,4 +1,4 @@
-use files::Unfinished;
+use crate::files::{self, Unfinished};
 use std::collections::HashSet;
 use std::io::Write;
 use std::path::Path;

@@ -3,7 +3,7 @@
 use flate2::read::GzDecoder;
 use std::io::Read;
 
-use crate::Error;
+use super::Error;
 
 /// A whole file.
 pub struct Bytes<'a>(pub &'a [u8]);

@@ -2,8 +2,8 @@
 
 use std::slice::ChunksExact;
 
-use crate::Error;
-use crate::times;
+use super::Error;
+use super::times;
 
 /// A type of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,7 +42,7 @@ pub enum Values {
 
 impl ValueType {
     /// By its number in the format.
-    pub(crate) fn of(number: u32) -> Result<Self, Error> {
+    pub(super) fn of(number: u32) -> Result<Self, Error> {
         Ok(match number {
             1 | 41 => ValueType::Int { bytes: 1, signed: true },
             2 => ValueType::Int { bytes: 2, signed: true },
@@ -62,7 +62,7 @@ impl ValueType {
     }
 
     /// Bytes of one value.
-    pub(crate) fn bytes(self) -> usize {
+    pub(super) fn bytes(self) -> usize {
         match self {
             ValueType::Int { bytes, .. } => bytes,
             ValueType::Float => 4,
@@ -78,7 +78,7 @@ impl ValueType {
     }
 
     /// Values of bytes: texts of `elements` characters each, otherwise as many as there are.
-    pub(crate) fn read(self, bytes: &[u8], elements: usize, little: bool) -> Values {
+    pub(super) fn read(self, bytes: &[u8], elements: usize, little: bool) -> Values {
         let each = self.bytes() * if self == ValueType::Char { elements.max(1) } else { 1 };
         let values = bytes.chunks_exact(each);
         match self {

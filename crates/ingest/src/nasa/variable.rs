@@ -1,7 +1,7 @@
 //! Variables and their records.
 
-use crate::bytes::{Bytes, Compression, inflate};
-use crate::{Error, ValueType, Values};
+use super::bytes::{Bytes, Compression, inflate};
+use super::{Error, ValueType, Values};
 
 /// Bytes of a variable that are read at most.
 const MOST: usize = 1 << 32;

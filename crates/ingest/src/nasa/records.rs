@@ -1,9 +1,9 @@
 //! The records of a file: the descriptors of file, attributes and variables, each a list that leads from one
 //! to the next.
 
-use crate::bytes::{Bytes, Compression};
-use crate::variable::Layout;
-use crate::{Cdf, Error, ValueType, Values, Variable};
+use super::bytes::{Bytes, Compression};
+use super::variable::Layout;
+use super::{Cdf, Error, ValueType, Values, Variable};
 
 /// Records of a list that are read at most.
 const MOST: usize = 1 << 16;
@@ -68,7 +68,7 @@ fn each(mut at: u64, mut read: impl FnMut(u64) -> Result<u64, Error>) -> Result<
     Err(Error("a broken CDF: a list that does not end".into()))
 }
 
-fn sizes(record: &mut crate::bytes::Record<'_>, count: usize) -> Result<Vec<usize>, Error> {
+fn sizes(record: &mut super::bytes::Record<'_>, count: usize) -> Result<Vec<usize>, Error> {
     if count > 10 {
         return Err(Error(format!("a broken CDF: {count} dimensions")));
     }
