@@ -1,25 +1,25 @@
 //! The certificate that a calibration laboratory hands over: what ISO/IEC 17025:2017 asks of one in 7.8.2 and
 //! 7.8.4.
 //!
-//! Results come from `calibration`, `model` and the statement of conformity; what a laboratory has to say
+//! `certificate.jinja` has its parts. Results come from `calibration`, `model` and the statement of conformity; what a laboratory has to say
 //! besides, from the document's `certificate`. What is missing is a blank line with its clause. Nothing is
 //! estimated here, and no clock is read.
 
-mod administration;
 mod alike;
-mod conditions;
+mod days;
+mod directions;
 mod expanded;
+mod given;
 mod html;
-mod method;
-mod references;
-mod results;
 mod sheet;
 
 pub use html::render;
 pub use sheet::Sheet;
 
 use common::{Certificate, Document, Error};
-use conformity::Spec;
+use conformity::{Joint, Spec};
+use estimate::stats;
+use page::template;
 
 /// What is asked of a certificate.
 #[derive(Clone, Debug, Default)]
@@ -42,32 +42,29 @@ pub struct Asked<'a> {
 pub fn run(document: &Document, asked: &Asked<'_>) -> Result<Sheet, Error> {
     let none = Certificate::default();
     let data = document.certificate.as_deref().unwrap_or(&none);
-    let mut sheet = Sheet::of(data);
-    administration::item(&mut sheet, document, data);
-    method::part(&mut sheet, document, data, asked);
-    conditions::part(&mut sheet, document, data);
-    references::part(&mut sheet, document, data);
-    results::part(&mut sheet, document, data, asked.findings)?;
-    conformity_part(&mut sheet, document, asked)?;
-    administration::close(&mut sheet, data);
+    let joint = Joint::of(document)?;
+    let context = given::context(document, data, &joint, asked);
+    let mut environment = template::environment();
+    environment.add_function("factor", move |path: String| joint.factor(&path));
+    environment.add_filter("coverage_factor", |freedom: Option<f64>| {
+        freedom.map(|freedom| stats::coverage_factor(0.95, freedom))
+    });
+    environment.add_filter("largest", given::largest);
+    environment.add_filter("rms", given::rms);
+    let mut sheet = template::filled(
+        environment,
+        include_str!("certificate.jinja"),
+        context,
+        Sheet::of(data),
+        (&sheet::FUNCTIONS, Sheet::add),
+    )?;
+    if let Some((spec, _)) = asked.spec {
+        sheet.add_statement(conformity::section(document, spec)?);
+    }
+    sheet.parts.iter_mut().for_each(|part| part.items.retain(sheet::Item::is_there));
+    sheet.notes.extend(days::notes(document, data));
     sheet.notes.extend(alike::notes(document, data));
     Ok(sheet)
-}
-
-/// The statement of conformity, where a specification is given.
-fn conformity_part(sheet: &mut Sheet, document: &Document, asked: &Asked<'_>) -> Result<(), Error> {
-    sheet.begin("Statement of conformity", "7.8.4.1 e, 7.8.6");
-    let Some((spec, _)) = asked.spec else {
-        sheet.say("No statement of conformity with a specification is made.");
-        return Ok(());
-    };
-    let section = conformity::section(document, spec)?;
-    let failures = section.warnings.iter().map(|finding| &finding.words);
-    for words in section.words.iter().take(2).chain(failures) {
-        sheet.say(words.as_str());
-    }
-    section.items.into_iter().for_each(|item| sheet.add(sheet::Item::Page(item)));
-    Ok(())
 }
 
 /// What people are told: the fields that are blank, and the keys that look as if they belonged into one.

@@ -1,10 +1,17 @@
-//! A certificate before it is written: parts with fields, words and tables.
+//! A certificate before it is written: parts with fields, words and tables, as its template adds them.
 
-use common::Certificate;
-use page::{Cell, Table};
+use common::{Certificate, Quantity};
+use minijinja::value::{Value, from_args};
+use minijinja::{Error, ErrorKind};
+use page::{Cell, Section, Table, template};
+use serde::{Deserialize, Serialize};
+
+use crate::expanded::expanded;
 
 /// A line to be filled in by hand.
 pub const BLANK: &str = "________________";
+
+const RESULTS: &str = "result | value ± U | unit | k";
 
 /// A certificate.
 #[derive(Clone, Debug, Default)]
@@ -37,13 +44,28 @@ pub enum Item {
 }
 
 /// A field with the clause of the standard that asks for it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Field {
     pub label: String,
     pub clause: String,
     /// What stands in it, a line each; none: a blank line with the clause.
     pub lines: Vec<String>,
 }
+
+/// What the template calls to add to the certificate.
+pub const FUNCTIONS: [&str; 11] = [
+    "part",
+    "required",
+    "stated",
+    "listed",
+    "say",
+    "table",
+    "row",
+    "results",
+    "result",
+    "blank_without_results",
+    "signature",
+];
 
 impl Sheet {
     /// Number and laboratory.
@@ -59,46 +81,70 @@ impl Sheet {
         Self { number, laboratory: fields, ..Self::default() }
     }
 
-    pub(crate) fn begin(&mut self, title: &str, clauses: &str) {
-        self.parts.push(Part { title: title.into(), clauses: clauses.into(), items: Vec::new() });
-    }
-
-    /// Adds to the part that was begun last.
-    pub(crate) fn add(&mut self, item: Item) {
-        if let Some(part) = self.parts.last_mut() {
-            part.items.push(item);
+    /// One of [`FUNCTIONS`].
+    pub(crate) fn add(&mut self, function: &str, arguments: &[Value]) -> Result<(), Error> {
+        if function == "part" {
+            let (title, clauses) = from_args(arguments)?;
+            self.parts.push(Part { title, clauses, items: Vec::new() });
+            return Ok(());
         }
+        let items = self.parts.last_mut().map(|part| &mut part.items);
+        let items = items.ok_or_else(|| Error::new(ErrorKind::InvalidOperation, "nothing before a part"))?;
+        match (function, arguments) {
+            ("required", _) => {
+                let (label, clause, text): (String, String, Option<String>) = from_args(arguments)?;
+                items.push(Item::Field(Field::required(&label, &clause, text.as_deref())));
+            }
+            ("stated", _) => {
+                let (label, clause, text): (String, String, Option<String>) = from_args(arguments)?;
+                let text = text.map(|text| if text.trim().is_empty() { "None.".into() } else { text });
+                items.push(Item::Field(Field::required(&label, &clause, text.as_deref())));
+            }
+            ("listed", _) => {
+                let (label, clause, lines): (String, String, Option<Vec<String>>) = from_args(arguments)?;
+                let none = lines.as_ref().is_some_and(Vec::is_empty).then(|| "None.".to_string());
+                let lines = lines.into_iter().flatten().chain(none).collect();
+                items.push(Item::Field(Field { label, clause, lines }));
+            }
+            ("say", [words]) => items.push(Item::Page(page::Item::Words(words.to_string()))),
+            ("table" | "results", [caption]) => {
+                let headers = if function == "results" { RESULTS } else { "" };
+                items.push(Item::Page(page::Item::Table(Table::new(caption.to_string(), headers))));
+            }
+            ("row" | "result", _) => {
+                let Some(Item::Page(page::Item::Table(table))) = items.last_mut() else {
+                    return Err(Error::new(ErrorKind::InvalidOperation, "a row before any table"));
+                };
+                match (function, arguments) {
+                    ("result", [of, quantity, unit, factor @ ..]) => {
+                        if let Some(quantity) = Option::<Quantity>::deserialize(quantity.clone())? {
+                            let factor = factor.first().and_then(|factor| f64::try_from(factor.clone()).ok());
+                            let [value, k] = expanded(&quantity, factor);
+                            table.rows.push(vec![Cell::from(of), value, Cell::from(unit), k]);
+                        }
+                    }
+                    _ => template::add_row(table, arguments)?,
+                }
+            }
+            ("blank_without_results", []) => {
+                items.retain(Item::is_there);
+                if items.len() == 1 {
+                    items.push(Item::Field(Field::required("Results", "7.8.2.1 m", None)));
+                }
+            }
+            ("signature", []) => items.push(Item::Signature),
+            _ => return Err(Error::from(ErrorKind::MissingArgument)),
+        }
+        Ok(())
     }
 
-    /// Adds a field that must say something.
-    pub(crate) fn required(&mut self, label: &str, clause: &str, text: Option<&str>) {
-        self.add(Item::Field(Field::required(label, clause, text)));
-    }
-
-    /// Adds a field of which an empty text says that there is none.
-    pub(crate) fn stated(&mut self, label: &str, clause: &str, text: Option<&str>) {
-        let text = text.map(|text| if text.trim().is_empty() { "None." } else { text });
-        self.required(label, clause, text);
-    }
-
-    /// Adds a field of several lines of which an empty list says that there is none.
-    pub(crate) fn listed(&mut self, label: &str, clause: &str, lines: Option<&[String]>) {
-        let lines = match lines {
-            None => Vec::new(),
-            Some([]) => vec!["None.".into()],
-            Some(lines) => lines.to_vec(),
-        };
-        self.add(Item::Field(Field { label: label.into(), clause: clause.into(), lines }));
-    }
-
-    pub(crate) fn say(&mut self, words: impl Into<String>) {
-        self.add(Item::Page(page::Item::Words(words.into())));
-    }
-
-    /// Adds a table, unless it has no rows.
-    pub(crate) fn table(&mut self, table: Table) {
-        if !table.rows.is_empty() {
-            self.add(Item::Page(page::Item::Table(table)));
+    /// Adds what counts in a statement of conformity to the part of that name.
+    pub(crate) fn add_statement(&mut self, statement: Section) {
+        let failures = statement.warnings.into_iter().map(|finding| finding.words);
+        let words = statement.words.into_iter().take(2).chain(failures).map(page::Item::Words);
+        let items = words.chain(statement.items).map(Item::Page);
+        if let Some(part) = self.parts.iter_mut().find(|part| part.title == "Statement of conformity") {
+            part.items.extend(items);
         }
     }
 
@@ -124,15 +170,17 @@ impl Sheet {
     }
 }
 
+impl Item {
+    /// Whether it is no table without rows.
+    pub fn is_there(&self) -> bool {
+        !matches!(self, Item::Page(page::Item::Table(table)) if table.rows.is_empty())
+    }
+}
+
 impl Field {
     /// A field that must say something; line breaks part its lines.
     pub fn required(label: &str, clause: &str, text: Option<&str>) -> Self {
         let lines = text.unwrap_or_default().lines().map(str::trim).filter(|line| !line.is_empty());
         Self { label: label.into(), clause: clause.into(), lines: lines.map(String::from).collect() }
     }
-}
-
-/// A cell of a table to be filled in by hand.
-pub fn blank_cell(clause: &str) -> Cell {
-    Cell::Text(format!("{BLANK} ({clause})"))
 }

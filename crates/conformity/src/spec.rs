@@ -4,9 +4,23 @@ use serde::{Deserialize, Serialize};
 
 use common::{Error, Matrix3x3, Versioned};
 
+use crate::verdict::Side;
+
 /// Largest factor of the guard band. Beyond it the probability that a verdict is wrong is no number of double
 /// precision.
 const LARGEST_FACTOR: f64 = 30.0;
+
+/// The conditions of requirements, in the order in which they are checked.
+const CONDITIONS: [&str; 8] = [
+    "band_hz",
+    "over_s",
+    "sensor_temperature_c",
+    "electronics_temperature_c",
+    "years",
+    "range_nt",
+    "nominal_matrix",
+    "nominal_std_arcsec",
+];
 
 /// What an instrument must do, and how it is decided whether it does.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -32,7 +46,7 @@ fn one_sided_95() -> f64 {
 }
 
 /// One requirement. Which conditions belong to it depends on its kind; others are refused.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Requirement {
@@ -91,7 +105,7 @@ pub enum RequirementKind {
 }
 
 /// A range of temperatures, degC.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(untagged, expecting = "[lowest, highest] in degC, or \"calibrated\"")]
 pub enum Temperatures {
@@ -102,7 +116,7 @@ pub enum Temperatures {
 }
 
 /// The word for what the calibration went through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Calibrated {
@@ -119,26 +133,31 @@ impl RequirementKind {
 
     /// The unit of limit and value.
     pub fn unit(self) -> &'static str {
-        match self {
-            RequirementKind::OrthogonalityDeg => "deg",
-            RequirementKind::AxesArcsec
-            | RequirementKind::AxesFromNominalArcsec
-            | RequirementKind::AxesOverTemperatureArcsec => "arcsec",
-            RequirementKind::BandwidthHz => "Hz",
-            _ => "nT",
-        }
+        self.about().0
     }
 
-    /// The conditions that it must have, and those that it may have.
-    fn conditions(self) -> (&'static [&'static str], &'static [&'static str]) {
+    /// On which side of its limit it is met.
+    pub fn side(self) -> Side {
+        self.about().1
+    }
+
+    /// The unit, the side, the conditions that it must have, and those that it may have.
+    fn about(self) -> (&'static str, Side, &'static [&'static str], &'static [&'static str]) {
+        use Side::{Above, Below, Within};
         const OVER: &[&str] = &["sensor_temperature_c", "electronics_temperature_c", "years"];
         match self {
-            RequirementKind::NoiseZeroToPeakNt => (&["band_hz", "over_s"], &[]),
-            RequirementKind::AxesOverTemperatureArcsec => (&["sensor_temperature_c"], &[]),
-            RequirementKind::AxesFromNominalArcsec => (&[], &["nominal_matrix", "nominal_std_arcsec"]),
-            RequirementKind::OffsetStabilityNt => (&[], OVER),
-            RequirementKind::AbsoluteAccuracyNt => (&["range_nt"], OVER),
-            _ => (&[], &[]),
+            RequirementKind::OrthogonalityDeg => ("deg", Within, &[], &[]),
+            RequirementKind::AxesArcsec => ("arcsec", Below, &[], &[]),
+            RequirementKind::AxesFromNominalArcsec => {
+                ("arcsec", Below, &[], &["nominal_matrix", "nominal_std_arcsec"])
+            }
+            RequirementKind::AxesOverTemperatureArcsec => ("arcsec", Below, &["sensor_temperature_c"], &[]),
+            RequirementKind::RangeNt => ("nT", Above, &[], &[]),
+            RequirementKind::ResolutionNt => ("nT", Below, &[], &[]),
+            RequirementKind::BandwidthHz => ("Hz", Above, &[], &[]),
+            RequirementKind::NoiseZeroToPeakNt => ("nT", Below, &["band_hz", "over_s"], &[]),
+            RequirementKind::OffsetStabilityNt => ("nT", Within, &[], OVER),
+            RequirementKind::AbsoluteAccuracyNt => ("nT", Within, &["range_nt"], OVER),
         }
     }
 }
@@ -177,24 +196,16 @@ impl Requirement {
             Err(Error::document(format!("{path}.{key}"), found, expected))
         };
         let kind = self.kind.name();
-        let given = [
-            ("band_hz", self.band_hz.is_some()),
-            ("over_s", self.over_s.is_some()),
-            ("sensor_temperature_c", self.sensor_temperature_c.is_some()),
-            ("electronics_temperature_c", self.electronics_temperature_c.is_some()),
-            ("years", self.years.is_some()),
-            ("range_nt", self.range_nt.is_some()),
-            ("nominal_matrix", self.nominal_matrix.is_some()),
-            ("nominal_std_arcsec", self.nominal_std_arcsec.is_some()),
-        ];
-        let (must, may) = self.kind.conditions();
-        for (key, given) in given {
+        let stated = serde_json::to_value(self).unwrap_or_default();
+        let given = |key: &str| !stated[key].is_null();
+        let (.., must, may) = self.kind.about();
+        for key in CONDITIONS {
             let needed = must.contains(&key);
-            if given && !needed && !may.contains(&key) {
+            if given(key) && !needed && !may.contains(&key) {
                 let expected = format!("no such key in `{kind}`; take it out, or is another kind meant?");
                 return refused(key, "a condition".into(), &expected);
             }
-            if needed && !given {
+            if needed && !given(key) {
                 let found = format!("`{kind}` without `{key}`");
                 return Err(Error::document(path, found, format!("`{key}`, which it needs")));
             }
@@ -230,7 +241,7 @@ impl Requirement {
             let expected = "three columns with a direction each";
             return refused("nominal_matrix", "a column of zeros".into(), expected);
         }
-        let asks = given.iter().any(|(key, given)| *given && may.contains(key));
+        let asks = may.iter().any(|key| given(key));
         if self.kind == RequirementKind::OffsetStabilityNt && !asks {
             return Err(Error::document(
                 path,

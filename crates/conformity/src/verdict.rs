@@ -1,6 +1,5 @@
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
-
-use crate::RequirementKind;
 
 /// What is said of a requirement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -35,19 +34,6 @@ pub enum Side {
     Above,
 }
 
-impl RequirementKind {
-    /// On which side of its limit it is met.
-    pub fn side(self) -> Side {
-        match self {
-            RequirementKind::RangeNt | RequirementKind::BandwidthHz => Side::Above,
-            RequirementKind::OrthogonalityDeg
-            | RequirementKind::OffsetStabilityNt
-            | RequirementKind::AbsoluteAccuracyNt => Side::Within,
-            _ => Side::Below,
-        }
-    }
-}
-
 /// What the document shows of one sensor, pair or component.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ShownValue {
@@ -64,7 +50,7 @@ pub struct ShownValue {
 }
 
 /// What the document does not show.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Missing {
     /// Of what.
     pub of: String,

@@ -2,13 +2,12 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use std::fmt::Write;
+use minijinja::{Value, context};
 
 use crate::plot::{self, Plot};
 use crate::words::escape;
-use crate::{Cell, Header, Item, Page, Section, Table, number};
+use crate::{Cell, Item, Page, Table, number, template};
 
-const STYLE: &str = include_str!("style.css");
 /// A table with more rows is folded.
 const FOLDED: usize = 12;
 /// Words in a cell that are longer may be broken.
@@ -17,24 +16,31 @@ const SHORT: usize = 28;
 const IN_TABLE: usize = 200;
 
 /// The page as HTML that is well-formed XML as well.
-pub fn render(page: &Page) -> String {
-    let title = escape(&page.title);
-    let mut out = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
-         <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n<h1>{title}</h1>\n"
-    );
-    paragraphs(&mut out, &page.summary);
-    out.push_str("</header>\n");
-    if page.sections.len() > 1 {
-        contents(&mut out, page);
-    }
-    out.push_str("<main>\n");
-    for part in &page.sections {
-        section(&mut out, part);
-    }
-    out.push_str("</main>\n</body>\n</html>\n");
-    out
+///
+/// # Errors
+///
+/// Where its template is wrong.
+pub fn render(page: &Page) -> Result<String, common::Error> {
+    let sections = page.sections.iter().map(|section| {
+        let is_plot = |item: &Item| matches!(item, Item::Plot(_));
+        let groups = section.items.chunk_by(|a, b| is_plot(a) && is_plot(b));
+        context! {
+            id => section.id,
+            title => section.title,
+            words => section.words,
+            warnings => section.warnings.iter().map(|warning| &warning.words).collect::<Vec<_>>(),
+            items => groups.map(items).collect::<Vec<_>>(),
+        }
+    });
+    let mut environment = template::html();
+    environment.add_filter("prose", |words: String| Value::from_safe_string(prose(&words)));
+    let context = context! {
+        title => page.title,
+        style => include_str!("style.css"),
+        summary => page.summary,
+        sections => sections.collect::<Vec<_>>(),
+    };
+    template::rendered(&environment, include_str!("page.html.jinja"), context)
 }
 
 /// Escaped words, with what stands between backticks as code.
@@ -50,126 +56,57 @@ fn prose(words: &str) -> String {
     parts.iter().enumerate().map(part).collect()
 }
 
-fn contents(out: &mut String, page: &Page) {
-    out.push_str("<nav aria-label=\"Contents\">\n<ol>\n");
-    for part in &page.sections {
-        let mark = if part.warnings.is_empty() { "" } else { " <span class=\"mark\">△</span>" };
-        let _ = writeln!(out, "<li><a href=\"#{}\">{}</a>{mark}</li>", part.id, escape(&part.title));
-    }
-    out.push_str("</ol>\n</nav>\n");
-}
-
-fn section(out: &mut String, part: &Section) {
-    let _ = writeln!(out, "<section id=\"{}\">\n<h2>{}</h2>", part.id, escape(&part.title));
-    paragraphs(out, &part.words);
-    if !part.warnings.is_empty() {
-        out.push_str("<ul class=\"warnings\">\n");
-        for warning in &part.warnings {
-            let _ = writeln!(out, "<li>{}</li>", prose(&warning.words));
+/// Neighbouring plots together, or one item.
+fn items(group: &[Item]) -> Value {
+    match group {
+        [Item::Heading(heading)] => context! { heading },
+        [Item::Words(words)] => context! { words },
+        [Item::Table(one)] => {
+            let rows = (one.rows.len() > FOLDED).then(|| number::counted(one.rows.len(), "row"));
+            context! { table => table(one), rows }
         }
-        out.push_str("</ul>\n");
-    }
-    let is_plot = |item: &Item| matches!(item, Item::Plot(_));
-    for group in part.items.chunk_by(|a, b| is_plot(a) && is_plot(b)) {
-        if is_plot(&group[0]) {
-            out.push_str("<div class=\"plots\">\n");
+        plots => {
+            let plots = plots.iter().filter_map(|item| match item {
+                Item::Plot(plot) => Some(figure(plot)),
+                _ => None,
+            });
+            context! { plots => plots.collect::<Vec<_>>() }
         }
-        for item in group {
-            match item {
-                Item::Heading(heading) => {
-                    let _ = writeln!(out, "<h3>{}</h3>", escape(heading));
-                }
-                Item::Words(words) => paragraphs(out, std::slice::from_ref(words)),
-                Item::Table(table) => self::table(out, table),
-                Item::Plot(plot) => figure(out, plot),
-            }
-        }
-        if is_plot(&group[0]) {
-            out.push_str("</div>\n");
-        }
-    }
-    out.push_str("</section>\n");
-}
-
-fn paragraphs(out: &mut String, all: &[String]) {
-    for words in all {
-        let _ = writeln!(out, "<p>{}</p>", prose(words));
     }
 }
 
-fn table(out: &mut String, table: &Table) {
-    let caption = escape(&table.caption);
-    if table.rows.len() > FOLDED {
-        folded(out, &format!("{caption} ({})", number::counted(table.rows.len(), "row")), table);
-    } else {
-        let _ = writeln!(out, "<p class=\"caption\">{caption}</p>");
-        grid(out, table);
+fn table(table: &Table) -> Value {
+    let cell = |cell: &Cell| {
+        let text = cell.to_string();
+        let whole = !matches!(cell, Cell::Text(_)) || escape(&text).chars().count() <= SHORT;
+        context! { text, whole }
+    };
+    let row = |row: &Vec<Cell>| row.iter().map(cell).collect::<Vec<_>>();
+    context! {
+        caption => table.caption,
+        headers => table.headers,
+        rows => table.rows.iter().map(row).collect::<Vec<_>>(),
     }
 }
 
-fn folded(out: &mut String, summary: &str, table: &Table) {
-    let _ = writeln!(out, "<details>\n<summary>{summary}</summary>");
-    grid(out, table);
-    out.push_str("</details>\n");
-}
-
-fn grid(out: &mut String, table: &Table) {
-    let _ = writeln!(out, "<div class=\"scroll\"><table aria-label=\"{}\">", escape(&table.caption));
-    out.push_str("<thead><tr>");
-    for Header { name, unit } in &table.headers {
-        let _ = write!(out, "<th scope=\"col\">{}", escape(name));
-        if !unit.is_empty() {
-            let _ = write!(out, " <span class=\"unit\">{}</span>", escape(unit));
-        }
-        out.push_str("</th>");
-    }
-    out.push_str("</tr></thead>\n<tbody>\n");
-    for row in &table.rows {
-        out.push_str("<tr>");
-        for (column, cell) in row.iter().enumerate() {
-            let text = escape(&cell.to_string());
-            let broken = matches!(cell, Cell::Text(_)) && text.chars().count() > SHORT;
-            let class = if broken { "" } else { " class=\"whole\"" };
-            let _ = match column {
-                0 => write!(out, "<th scope=\"row\"{class}>{text}</th>"),
-                _ => write!(out, "<td{class}>{text}</td>"),
-            };
-        }
-        out.push_str("</tr>\n");
-    }
-    out.push_str("</tbody>\n</table></div>\n");
-}
-
-fn figure(out: &mut String, plot: &Plot) {
+fn figure(plot: &Plot) -> Value {
     let undrawn = plot.undrawn();
     let (plot, thinned) = plot::thinned(plot.clone());
-    let class = if plot.map { " class=\"map\"" } else { "" };
-    let _ =
-        writeln!(out, "<figure{class} id=\"{}\">\n<figcaption>{}</figcaption>", plot.id, escape(&plot.title));
-    let _ = writeln!(out, "{}", plot::svg(&plot));
-    if plot.series.len() > 1 || plot.map {
-        out.push_str("<ul class=\"legend\">\n");
-        for series in &plot.series {
-            let _ = writeln!(out, "<li>{}{}</li>", plot::swatch(series), escape(&series.name));
-        }
-        out.push_str("</ul>\n");
-    }
+    let legend = plot.series.iter().filter(|_| plot.series.len() > 1 || plot.map);
+    let legend = legend.map(|series| context! { swatch => plot::swatch(series), name => series.name });
     let notes: Vec<String> = [Some(plot.note.clone()), undrawn, thinned].into_iter().flatten().collect();
-    let notes = notes.join(" ");
-    if !notes.trim().is_empty() {
-        let _ = writeln!(out, "<p class=\"note\">{}</p>", prose(notes.trim()));
-    }
     let count: usize = plot.series.iter().map(|series| series.values().count()).sum();
-    let rows = number::counted(count, "row");
-    if count <= IN_TABLE {
-        folded(out, &format!("Numbers ({rows})"), &plot.table());
+    context! {
+        id => plot.id,
+        title => plot.title,
+        map => plot.map,
+        svg => plot::svg(&plot),
+        legend => legend.collect::<Vec<_>>(),
+        note => notes.join(" ").trim(),
+        rows => number::counted(count, "row"),
+        table => (count <= IN_TABLE).then(|| table(&plot.table())),
+        csv => STANDARD.encode(plot.csv()),
     }
-    let _ = writeln!(
-        out,
-        "<p class=\"data\"><a download=\"{0}.csv\" href=\"data:text/csv;charset=utf-8;base64,{1}\">Data of this plot (CSV, {rows})</a></p>\n</figure>",
-        plot.id,
-        STANDARD.encode(plot.csv())
-    );
 }
 
 #[cfg(test)]

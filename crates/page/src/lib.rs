@@ -10,8 +10,9 @@ mod model;
 pub mod number;
 pub mod plot;
 mod table;
+pub mod template;
 pub mod text;
 pub mod words;
 
 pub use model::{Effect, Finding, Item, Page, Section};
-pub use table::{Cell, Header, Row, Table};
+pub use table::{Cell, Header, Table};

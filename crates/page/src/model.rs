@@ -1,5 +1,5 @@
 use crate::plot::Plot;
-use crate::table::{Cell, Row, Table};
+use crate::table::Table;
 
 /// A page before it is written as HTML or text.
 #[derive(Clone, Debug, Default)]
@@ -121,60 +121,21 @@ impl Section {
         Self { id: id.into(), title: title.into(), ..Self::default() }
     }
 
-    /// Adds a table without the columns that are empty throughout, unless it has no rows.
-    pub fn table(&mut self, mut table: Table) {
-        let filled = |column: usize| table.rows.iter().any(|row| !matches!(row[column], Cell::Empty));
-        let kept: Vec<bool> = (0..table.headers.len()).map(filled).collect();
-        retain(&mut table.headers, &kept);
-        table.rows.iter_mut().for_each(|row| retain(row, &kept));
-        if !table.rows.is_empty() {
-            self.items.push(Item::Table(table));
-        }
-    }
-
-    /// Adds a table of rows, likewise.
-    pub fn rows<R: Row>(
-        &mut self,
-        caption: impl Into<String>,
-        headers: &str,
-        rows: impl IntoIterator<Item = R>,
-    ) {
-        let mut table = Table::new(caption, headers);
-        rows.into_iter().for_each(|row| table.row(row));
-        self.table(table);
-    }
-
-    /// Adds a plot, unless there is nothing to draw.
-    pub fn plot(&mut self, plot: Plot) {
-        if !plot.series.is_empty() {
-            self.items.push(Item::Plot(plot));
-        }
-    }
-
-    /// Adds the plots of several sensors, the first of each, then the second of each, and so on.
-    pub fn plots_side_by_side(&mut self, of_each: Vec<Vec<Plot>>) {
-        let mut of_each: Vec<_> = of_each.into_iter().map(Vec::into_iter).collect();
-        loop {
-            let row: Vec<Plot> = of_each.iter_mut().filter_map(Iterator::next).collect();
-            if row.is_empty() {
-                return;
+    /// Takes out plots without series, tables without rows and columns that are empty throughout. Whether there is an item left.
+    pub fn complete(&mut self) -> bool {
+        self.items.retain_mut(|item| match item {
+            Item::Table(table) => {
+                table.leave_out_empty_columns();
+                !table.rows.is_empty()
             }
-            row.into_iter().for_each(|plot| self.plot(plot));
-        }
-    }
-
-    /// Adds a paragraph.
-    pub fn say(&mut self, words: impl Into<String>) {
-        self.items.push(Item::Words(words.into()));
+            Item::Plot(plot) => !plot.series.is_empty(),
+            _ => true,
+        });
+        !self.items.is_empty()
     }
 
     /// Whether it has nothing to show.
     pub fn is_empty(&self) -> bool {
         self.items.is_empty() && self.words.is_empty() && self.warnings.is_empty()
     }
-}
-
-fn retain<T>(all: &mut Vec<T>, kept: &[bool]) {
-    let mut kept = kept.iter();
-    all.retain(|_| kept.next().copied().unwrap_or(true));
 }

@@ -1,6 +1,6 @@
 //! A table and its cells, before they are written as HTML or text.
 
-use common::{Axis, Quantity};
+use serde::Serialize;
 use std::fmt;
 
 use crate::number::{bare, figures, probability, uncertain};
@@ -17,7 +17,7 @@ pub struct Table {
 }
 
 /// Name of a column.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Header {
     /// What stands in it.
     pub name: String,
@@ -57,12 +57,18 @@ impl Table {
         Self { caption: caption.into(), headers, rows: Vec::new() }
     }
 
-    /// Adds a row.
-    pub fn row(&mut self, cells: impl Row) {
-        let cells = cells.cells();
-        debug_assert_eq!(cells.len(), self.headers.len(), "{}", self.caption);
-        self.rows.push(cells);
+    /// Leaves out the columns that are empty throughout.
+    pub fn leave_out_empty_columns(&mut self) {
+        let filled = |column: usize| self.rows.iter().any(|row| !matches!(row[column], Cell::Empty));
+        let kept: Vec<bool> = (0..self.headers.len()).map(filled).collect();
+        retain(&mut self.headers, &kept);
+        self.rows.iter_mut().for_each(|row| retain(row, &kept));
     }
+}
+
+fn retain<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    all.retain(|_| kept.next().copied().unwrap_or(true));
 }
 
 impl From<&str> for Header {
@@ -71,41 +77,6 @@ impl From<&str> for Header {
         let parts = text.strip_suffix(']').and_then(|text| text.rsplit_once(" ["));
         let (name, unit) = parts.unwrap_or((text, ""));
         Self { name: name.into(), unit: unit.into() }
-    }
-}
-
-/// The cells of a row, as a tuple of what they hold.
-pub trait Row {
-    /// The cells in their order.
-    fn cells(self) -> Vec<Cell>;
-}
-
-/// Tuples of so many cells and fewer, down to two.
-macro_rules! rows {
-    ($last:ident) => {};
-    ($cell:ident $($more:ident)+) => {
-        impl<$cell: Into<Cell>, $($more: Into<Cell>),+> Row for ($cell, $($more),+) {
-            #[allow(non_snake_case)]
-            fn cells(self) -> Vec<Cell> {
-                let ($cell, $($more),+) = self;
-                vec![$cell.into(), $($more.into()),+]
-            }
-        }
-        rows!($($more)+);
-    };
-}
-
-rows!(A B C D E F G H I J);
-
-impl Cell {
-    /// So many figures of a number, where there is one.
-    pub fn figures(number: Option<f64>, figures: usize) -> Self {
-        number.map(|number| Cell::Figures(number, figures)).into()
-    }
-
-    /// A probability, where there is one.
-    pub fn probability(p: Option<f64>) -> Self {
-        p.map(Cell::Probability).into()
     }
 }
 
@@ -124,41 +95,14 @@ impl fmt::Display for Cell {
     }
 }
 
-/// What becomes a cell, and which one.
-macro_rules! cells {
-    ($($name:ident: $from:ty => $cell:expr;)+) => {
-        $(impl From<$from> for Cell {
-            fn from($name: $from) -> Self {
-                $cell
-            }
-        })+
-    };
-}
-
-cells! {
-    text: &str => Cell::Text(text.into());
-    text: String => Cell::Text(text);
-    text: &String => Cell::Text(text.clone());
-    text: &Option<String> => text.clone().into();
-    axis: Axis => axis.letter().into();
-    yes: bool => if yes { "yes" } else { "no" }.into();
-    count: usize => Cell::Count(count);
-    number: f64 => Cell::Number(number);
-    quantity: &Option<Quantity> => quantity.as_ref().into();
-}
-
-impl From<&Quantity> for Cell {
-    fn from(quantity: &Quantity) -> Self {
-        match quantity.std() {
-            Some(_) if quantity.is_at_least() => Cell::Text(quantity.to_string()),
-            Some(std) => Cell::Uncertain { value: quantity.value(), std },
-            None => Cell::Number(quantity.value()),
-        }
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Cell::Text(text)
     }
 }
 
-impl<T: Into<Cell>> From<Option<T>> for Cell {
-    fn from(cell: Option<T>) -> Self {
-        cell.map(Into::into).unwrap_or_default()
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Cell::Text(text.into())
     }
 }

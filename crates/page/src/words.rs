@@ -1,8 +1,5 @@
 //! Words that several sections share, and text within markup.
 
-use common::{Axis, PerAxis, Quantity};
-
-use crate::Cell;
 pub use crate::number::counted;
 
 /// Text for element content and attributes of markup; what XML cannot hold becomes U+FFFD.
@@ -41,11 +38,6 @@ pub fn slug(text: &str) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
     let text: String = text.chars().map(plain).collect();
     text.split('-').filter(|part| !part.is_empty()).collect::<Vec<_>>().join("-")
-}
-
-/// A cell for each axis.
-pub fn cells(each: Option<&PerAxis<Quantity>>) -> [Cell; 3] {
-    Axis::ALL.map(|axis| each.and_then(|each| each.get(axis)).into())
 }
 
 /// A name whose last part is a unit (`offset_nt`, `flicker_nt2_per_hz_at_1hz`) as words and unit. Without a

@@ -1,7 +1,8 @@
 //! Any document as one page: what each stage found, in words, tables and plots.
 //!
-//! A [`Page`] is made of the document by [`run`]; the crate `page` writes it. Each
-//! section is made by a function below `sections`. What the document does not hold is not computed here.
+//! A [`Page`] is made of the document by [`run`]; the crate `page` writes it. `sections.jinja` has the words and
+//! tables of each section, the modules below `sections` its plots and findings. What the document does not hold
+//! is not computed here.
 //!
 //! `conformity` gives one more section of the same form; `certificate` makes a document of its own.
 
@@ -30,7 +31,7 @@ pub struct Options {
 /// Where the statement of conformity cannot be made; a document without content gives a page that says so.
 pub fn run(document: &Document, options: &Options) -> Result<Page, common::Error> {
     let conformity = options.spec.as_ref().map(|spec| conformity::section(document, spec)).transpose()?;
-    Ok(sections::page(document, conformity, options.document_sha256.as_deref()))
+    sections::page(document, conformity, options.document_sha256.as_deref())
 }
 
 /// What people are told.

@@ -93,7 +93,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
             document.certificate = Some(Box::new(merged));
         }
         let data_sha256 = data.map(|data| data.sha256());
-        let findings = report::findings(&document);
+        let findings = report::findings(&document).map_err(|error| input.locate(error))?;
         let asked = Asked {
             findings: &findings,
             document_sha256: options.document_sha256.as_deref(),
@@ -102,12 +102,12 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         };
         let sheet = certificate::run(&document, &asked).map_err(|error| input.locate(error))?;
         let paper = cli.paper.map(|paper| if matches!(paper, Paper::A4) { "A4" } else { "letter" });
-        written.push((Some(file.as_path()), certificate::render(&sheet, paper)));
+        written.push((Some(file.as_path()), certificate::render(&sheet, paper)?));
         words.push(certificate::summary(&sheet));
     }
     if cli.certificate.is_none() || cli.io.output.is_some() {
-        let render = if cli.text { text::render } else { html::render };
-        written.push((cli.io.output.as_deref(), render(&page)));
+        let text = if cli.text { text::render(&page) } else { html::render(&page)? };
+        written.push((cli.io.output.as_deref(), text));
         words.insert(0, report::summary(&page));
     }
     // Both files get their names when both are whole.

@@ -126,4 +126,6 @@ pages! {
     diagnose: "docs/diagnose.md",
     correct: "docs/correct.md",
     report: "docs/report.md",
+    conformity: "docs/conformity.md",
+    certificate: "docs/certificate.md",
 }

@@ -145,7 +145,7 @@ impl Plot {
         let mut rows = Vec::new();
         for series in &self.series {
             for point in series.values() {
-                let mut row = vec![(&series.name).into(), point.x.into(), point.y.into()];
+                let mut row = vec![series.name.as_str().into(), Cell::Number(point.x), Cell::Number(point.y)];
                 if bars {
                     row.extend(point.bar.map_or([Cell::Empty, Cell::Empty], |bar| bar.map(Cell::Number)));
                 }

@@ -1,75 +1,15 @@
-//! What temperatures and fields across do to sensitivity and offset.
+//! What temperatures do to sensitivity and offset.
 
-use common::{Axis, CrossFieldFit, Document, Quantity, TemperatureFit, TemperatureLevels, TemperatureOfPart};
-use page::words::key;
+use common::{Axis, Calibration, PerAxis, Quantity, TemperatureFit, TemperatureLevels, TemperatureOfPart};
 
-use super::effects::{self, findings};
-use super::shared::{add_departures, departures};
+use super::{Plots, side_by_side};
 use crate::number;
 use crate::plot::{Mark, Plot, Series};
-use crate::{Cell, Section, Table};
 
-pub fn temperature(document: &Document) -> Option<Section> {
-    let calibration = document.calibration.as_ref()?;
-    let sensors = calibration.sensors.as_ref()?;
-    let mut section = Section::new("temperature", "Temperature");
-    let mut slopes = Table::new(
-        "Coefficients at the reference temperature, from the whole run",
-        "sensor | temperature of | k [ppm/K] | k [ppm/K²] | curvature of k, p | O [nT/K] | O [nT/K²] | \
-         curvature of O, p | from [°C] | to [°C]",
-    );
-    let mut three_point = Table::new(
-        "Slopes through the three central temperatures",
-        "sensor | temperature of | k [ppm/K] | O [nT/K]",
-    );
-    let mut turning = Table::new(
-        "Temperatures at which k or O is stationary",
-        "sensor | temperature of | what | at [°C] | differences between the sensors, p",
-    );
-    let mut lags =
-        Table::new("Lag behind the temperature", "sensor | temperature of | lag [s] | what the readings say");
-    let mut looked_for = departures("sensor");
-    let mut plots = Vec::new();
-    for (axis, sensor) in sensors.iter() {
-        let Some(fit) = &sensor.temperature else { continue };
-        let name = format!("sensor {axis}");
-        section.warnings.extend(findings(&name, &fit.findings, &effects::sensors::TEMPERATURE, fit));
-        for (what, part) in [("sensor", &fit.sensor), ("electronics", &fit.electronics)] {
-            let Some(part) = part else { continue };
-            let [low, high] = part.range_c;
-            slopes.row((
-                &name,
-                what,
-                &part.sensitivity_ppm_per_k,
-                &part.sensitivity_ppm_per_k2,
-                Cell::probability(part.sensitivity_curvature_p),
-                &part.offset_nt_per_k,
-                &part.offset_nt_per_k2,
-                Cell::probability(part.offset_curvature_p),
-                low,
-                high,
-            ));
-            let [k, o] = ["sensitivity_ppm_per_k", "offset_nt_per_k"].map(|key| part.three_point.get(key));
-            three_point.row((&name, what, k, o));
-            lags.row((&name, what, &part.lag_s, part.lag.as_str()));
-            for (quantity, temperature) in &part.extrema_c {
-                turning.row((&name, what, quantity, temperature, Cell::Empty));
-            }
-        }
-        add_departures(&mut looked_for, &name, &fit.departures);
-        plots.push(loops(axis, fit));
-    }
-    for common in &calibration.common_extrema {
-        let p = Cell::Probability(common.p_value);
-        turning.row(("all", &common.part, &common.quantity, &common.temperature_c, p));
-    }
-    section.table(slopes);
-    section.plots_side_by_side(plots);
-    section.table(three_point);
-    section.table(turning);
-    section.table(lags);
-    section.table(looked_for);
-    (!section.items.is_empty()).then_some(section)
+pub fn plots(plots: &mut Plots, calibration: &Calibration) {
+    let sensors = calibration.sensors.iter().flat_map(PerAxis::iter);
+    let warm = sensors.filter_map(|(axis, sensor)| Some(loops(axis, sensor.temperature.as_deref()?)));
+    plots.insert("temperature".into(), side_by_side(warm.collect()));
 }
 
 /// k and O of each run against the temperature that moved in it, as they are and less their fitted curve.
@@ -154,84 +94,4 @@ fn branches(plot: Plot, branch: &[i8], [x, y, std]: [&[f64]; 3]) -> Plot {
         };
         plot.with(Series::points(name, style, &of(x), &of(y)).with_std(&of(std)))
     })
-}
-
-/// Sensitivity and offset with fields across the sensor.
-pub fn cross_field(document: &Document) -> Option<Section> {
-    let sensors = document.calibration.as_ref()?.sensors.as_ref()?;
-    let mut section = Section::new("cross-field", "Fields transverse to the sensor");
-    let mut table = Table::new(
-        "Coefficients, at 50000 nT across (and along, for the sensitivity)",
-        "sensor | of | coefficient | value [nT]",
-    );
-    let mut tests = Table::new(
-        "Significance, and the effect of the correction on held-out readings",
-        "sensor | difference, p | effect, p | rms before [nT] | corrected as applied [nT] | first pass [nT] | \
-         second pass [nT] | readings",
-    );
-    let mut leaning = Table::new(
-        "Directions of the sensors towards the coil across",
-        "sensor | recording | coil | angle [arcsec]",
-    );
-    let mut looked_for = departures("sensor");
-    let mut plots = Vec::new();
-    for (axis, sensor) in sensors.iter() {
-        let Some(fit) = &sensor.cross_field else { continue };
-        let name = format!("sensor {axis}");
-        section.warnings.extend(findings(&name, &fit.findings, &effects::sensors::CROSS_FIELD, fit));
-        for (of, parameters) in [("offset", &fit.offset), ("sensitivity", &fit.sensitivity)] {
-            for (parameter, value) in parameters {
-                table.row((&name, of, key(parameter).0, value));
-            }
-        }
-        let held_out = fit.held_out.as_ref();
-        tests.row((
-            &name,
-            Cell::probability(fit.difference.map(|test| test.p_value)),
-            Cell::probability(fit.significance.map(|test| test.p_value)),
-            Cell::figures(held_out.map(|held_out| held_out.before_nt), 3),
-            Cell::figures(held_out.map(|held_out| held_out.after_nt), 3),
-            Cell::figures(held_out.and_then(|held_out| held_out.first_pass_nt), 3),
-            Cell::figures(held_out.and_then(|held_out| held_out.second_pass_nt), 3),
-            held_out.map(|held_out| held_out.readings),
-        ));
-        for one in &fit.misalignments {
-            leaning.row((&name, &one.recording, one.coil.as_str(), &one.angle_arcsec));
-        }
-        add_departures(&mut looked_for, &name, &fit.departures);
-        plots.push(levels_across(axis, fit).into());
-    }
-    section.table(table);
-    section.table(tests);
-    section.plots_side_by_side(plots);
-    section.table(leaning);
-    section.table(looked_for);
-    (!section.items.is_empty()).then_some(section)
-}
-
-/// k and O against the field across, a series for each recording.
-fn levels_across(axis: Axis, fit: &CrossFieldFit) -> [Plot; 2] {
-    let levels = &fit.levels;
-    let plot = |of: &str, label: &str| {
-        Plot::new(format!("cross-field-{axis}-{of}"), format!("Sensor {axis}: {of}"))
-            .axes("field across [nT]", label)
-    };
-    let mut sensitivity = plot("sensitivity", "k from that of the first [ppm]");
-    let mut offset = plot("offset", "offset [nT]").note(
-        "A straight line is the sensor's direction, which belongs to the axes; the effect is what bends it.",
-    );
-    let k0 = levels.sensitivity.first().copied().unwrap_or(f64::NAN);
-    for (number, recording) in fit.recordings.iter().enumerate() {
-        let of = |column: &[f64]| -> Vec<f64> {
-            let rows = levels.recording.iter().zip(column).filter(|(of, _)| **of == number);
-            rows.map(|(_, value)| *value).collect()
-        };
-        let across = of(&levels.across_nt);
-        let k: Vec<f64> = of(&levels.sensitivity).into_iter().map(|k| 1e6 * (k / k0 - 1.0)).collect();
-        let k_std: Vec<f64> = of(&levels.sensitivity_std).into_iter().map(|std| 1e6 * std / k0).collect();
-        sensitivity.push(Series::points(recording, number, &across, &k).with_std(&k_std));
-        let (o, o_std) = (of(&levels.offset_nt), of(&levels.offset_std_nt));
-        offset.push(Series::points(recording, number, &across, &o).with_std(&o_std));
-    }
-    [sensitivity, offset]
 }

@@ -1,64 +1,129 @@
-//! The sections of the page; `PARTS` has the function of each.
+//! The page: its head, by `head.jinja`, the list of all findings, and the sections that `sections.jinja` makes of a
+//! document, each with its findings.
 
-mod answer;
 mod axes;
 mod axes_map;
 mod coils;
 mod conditions;
-mod diagnosis;
-mod differential;
 mod effects;
-mod instruments;
+mod findings;
 mod noise;
 mod recordings;
 mod residuals;
 mod scalar;
-mod sensors;
-mod shared;
-mod stated;
+mod time;
 
-use common::Document;
-use page::words;
-use std::collections::HashSet;
+use common::{Diagnosis, Document, Error, Residual};
+use minijinja::{Value, context};
+use page::template;
+use std::collections::{HashMap, HashSet};
 
+use crate::plot::Plot;
 use crate::{Effect, Finding, Item, Page, Section, Table, number};
 
-/// How a part of a document is shown; None where the document does not have it.
-type Part = fn(&Document) -> Option<Section>;
-
-/// The parts in the order of the page.
-const PARTS: [Part; 17] = [
-    stated::section,
-    coils::section,
-    coils::gradients,
-    noise::nulling,
-    sensors::section,
-    noise::section,
-    sensors::drift,
-    conditions::temperature,
-    conditions::cross_field,
-    axes::section,
-    scalar::section,
-    differential::section,
-    diagnosis::section,
-    stated::model,
-    recordings::corrected,
-    recordings::section,
-    stated::history,
-];
+/// Plots with the name that `sections.jinja` calls them by.
+type Plots = HashMap<String, Vec<Plot>>;
 
 /// The page of a document whose text has this hash, the statement of conformity first.
-pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&str>) -> Page {
-    let parts = PARTS.iter().filter_map(|part| part(document));
+///
+/// # Errors
+///
+/// Where a template is wrong.
+pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&str>) -> Result<Page, Error> {
+    let stated = conformity.as_ref().and_then(|section| section.words.first()).cloned();
+    let (context, plots) = given(document);
+    let parts = parts(document, context.clone(), plots)?;
+    let nothing = parts.is_empty();
     let mut sections: Vec<Section> = conformity.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
     sections.iter_mut().for_each(|part| Finding::sort(&mut part.warnings, |finding| finding));
     let listed = ranked(&sections);
     let first = sections.iter().take_while(|section| section.id == conformity::ID).count();
     sections.splice(first..first, listed);
-    let named = document.instrument.as_ref().and_then(|instrument| instrument.name.clone());
-    let title = document.title.clone().or(named).unwrap_or_else(|| "A document without a title".into());
-    Page { title, summary: summary(document, &sections, sha256), sections }
+    let context = context! {
+        nothing,
+        conformity => template::part(&stated),
+        sha256 => template::part(&sha256),
+        ..context
+    };
+    let head = template::sections(include_str!("../head.jinja"), context, Plots::new())?;
+    let Section { title, words, .. } = head.into_iter().next().unwrap_or_default();
+    Ok(Page { title, summary: words, sections })
+}
+
+/// What the templates are given of a document, and the plots that they call by their names.
+fn given(document: &Document) -> (Value, Plots) {
+    let mut plots = Plots::new();
+    let calibration = document.calibration.as_ref();
+    if let Some(calibration) = calibration {
+        coils::plots(&mut plots, calibration);
+        noise::plots(&mut plots, calibration);
+        conditions::plots(&mut plots, calibration);
+        axes::plots(&mut plots, calibration);
+        scalar::plots(&mut plots, calibration);
+    }
+    residuals::of_diagnosis(&mut plots, document);
+    let pair = calibration.and_then(|found| found.differential.as_ref()?.fit.as_ref());
+    plots.insert("difference".into(), pair.map(|fit| residuals::of_difference(fit)).unwrap_or_default());
+    let clock = pair.and_then(|fit| fit.clock.as_ref());
+    let clock = clock.map(|clock| [clock.offset_in_words(), clock.rate_in_words()]);
+    let middles = pair.and_then(|fit| fit.stability.as_ref()).map(time::middles);
+    let is_absurd = |diagnosis: &Diagnosis| diagnosis.fit.as_ref().is_some_and(Residual::is_absurd);
+    let absurd = context! {
+        pair => pair.is_some_and(|fit| fit.axes.iter().any(|(_, axis)| axis.exceeded_nt().is_some())),
+        diagnoses => document.diagnosis.iter().flatten().map(is_absurd).collect::<Vec<bool>>(),
+    };
+    let context = context! {
+        title => template::part(&document.title),
+        instrument => template::part(&document.instrument),
+        facility => template::part(&document.facility),
+        calibration => template::part(&document.calibration),
+        model => template::part(&document.model),
+        diagnosis => template::part(&document.diagnosis),
+        history => document.history,
+        clock => template::part(&clock),
+        middles => template::part(&middles),
+        absurd,
+        procedures => recordings::procedures(document),
+        recordings => recordings::list(document),
+        corrected => recordings::corrected(&mut plots, document),
+        unread => recordings::unread(&mut plots, document),
+    };
+    (context, plots)
+}
+
+/// The sections of what the document has, in the order of the page.
+fn parts(document: &Document, context: Value, plots: Plots) -> Result<Vec<Section>, Error> {
+    let mut sections = template::sections(include_str!("../sections.jinja"), context, plots)?;
+    sections.iter_mut().for_each(|section| section.warnings = findings::of(&section.id, document));
+    // These two say something by words and findings alone.
+    let alone = |section: &Section| ["stated", "axes"].contains(&section.id.as_str()) && !section.is_empty();
+    sections.retain_mut(|section| section.complete() || alone(section));
+    Ok(sections)
+}
+
+/// The plots of several sensors, the first of each, then the second of each, and so on.
+fn side_by_side(of_each: Vec<Vec<Plot>>) -> Vec<Plot> {
+    let mut of_each: Vec<_> = of_each.into_iter().map(Vec::into_iter).collect();
+    let mut all = Vec::new();
+    loop {
+        let before = all.len();
+        all.extend(of_each.iter_mut().filter_map(Iterator::next));
+        if all.len() == before {
+            return all;
+        }
+    }
+}
+
+/// What the stages found striking, a sentence each.
+///
+/// # Errors
+///
+/// As [`page`].
+pub fn findings(document: &Document) -> Result<Vec<String>, Error> {
+    let (context, plots) = given(document);
+    let warnings = parts(document, context, plots)?.into_iter().flat_map(|section| section.warnings);
+    Ok(warnings.map(|finding| finding.words).collect())
 }
 
 /// So many findings stand at the head of the page whatever there is.
@@ -81,12 +146,12 @@ fn ranked<'a>(sections: &'a [Section]) -> Option<Section> {
             Effect::Std(size) => format!("{} standard uncertainties", figures(size)),
             Effect::Unstated(reason) => format!("– ({reason})"),
         };
-        table.row((effect, finding.words.replace('`', ""), title));
+        let words = finding.words.replace('`', "");
+        table.rows.push(vec![effect.into(), words.into(), title.as_str().into()]);
     }
     let mut section = Section::new("findings", "What stands out");
-    section.table(first);
-    section.table(others);
-    (!section.items.is_empty()).then(|| {
+    section.items.extend([first, others].map(Item::Table));
+    section.complete().then(|| {
         section.words.push(
             "How much a finding changes the result, from numbers in the document: a field or an offset in nT, a direction in arcsec, or a parameter in its \
              standard uncertainties. Rotations and changes of a sensitivity count in a field of 50 000 nT, where 1 arcsec is 0.24 nT. Findings in standard uncertainties follow, then those without a number, with the reason."
@@ -94,65 +159,6 @@ fn ranked<'a>(sections: &'a [Section]) -> Option<Section> {
         );
         section
     })
-}
-
-/// What the stages found striking, a sentence each.
-pub fn findings(document: &Document) -> Vec<String> {
-    let warnings = PARTS.iter().filter_map(|part| part(document)).flat_map(|section| section.warnings);
-    warnings.map(|finding| finding.words).collect()
-}
-
-fn summary(document: &Document, sections: &[Section], sha256: Option<&str>) -> Vec<String> {
-    let mut summary = Vec::new();
-    if sections.iter().all(|section| section.id == conformity::ID) {
-        summary.push(
-            "There is nothing in this document: no recording, no calibration, no diagnosis. A document is begun by `ingest` from \
-             files of a logger, or by `simulate`; the calibrating programs then add to it."
-                .into(),
-        );
-        return summary;
-    }
-    summary.extend(answer::answer(document));
-    summary.extend(answers(document));
-    let conformity = sections.iter().find(|section| section.id == conformity::ID);
-    summary.extend(
-        conformity.and_then(|section| section.words.first()).map(|words| format!("Conformity: {words}")),
-    );
-    let rows: usize = document.recordings.iter().map(common::Recording::rows).sum();
-    let stages: Vec<&str> = document.history.iter().map(|entry| entry.stage.as_str()).collect();
-    let been =
-        if stages.is_empty() { String::new() } else { format!(" It went through {}.", stages.join(", ")) };
-    summary.push(format!(
-        "The document holds {} with {}.{been}",
-        words::counted(document.recordings.len(), "recording"),
-        words::counted(rows, "row")
-    ));
-    summary.push(
-        "Each ±, each error bar without another note and each stated accuracy is one standard uncertainty, to two figures. 95 % intervals are named as such."
-            .into(),
-    );
-    summary.extend(sha256.map(|hash| format!("SHA-256 of the document: {hash}")));
-    summary
-}
-
-/// What it comes to, first of all; what cannot be right is marked.
-fn answers(document: &Document) -> Vec<String> {
-    let pair =
-        document.calibration.as_ref().and_then(|calibration| calibration.differential.as_ref()?.fit.as_ref());
-    let of_pair = pair.map(|fit| {
-        let absurd = fit.axes.iter().any(|(_, axis)| axis.exceeded_nt().is_some());
-        ("Two magnetometers", fit.answer.as_str(), absurd)
-    });
-    let of_diagnosis = document.diagnosis.iter().flatten().map(|entry| {
-        let absurd = entry.fit.as_ref().is_some_and(common::Residual::is_absurd);
-        ("Diagnosis", entry.answer.as_str(), absurd)
-    });
-    let all = of_pair.into_iter().chain(of_diagnosis).filter(|(_, answer, _)| !answer.is_empty());
-    let told = |(of, answer, absurd): (&str, &str, bool)| {
-        let mark = if absurd { "△ " } else { "" };
-        words::sentence(&format!("{mark}{of}: {answer}"))
-    };
-    all.map(told).collect()
 }
 
 /// Ids of recordings may come to the same id of a plot; the later ones are numbered.

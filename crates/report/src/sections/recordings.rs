@@ -1,43 +1,55 @@
 //! What was recorded, with drawings of what no stage has read, and the field that `correct` made of it.
 
 use common::{Axis, Document, Recording, procedure};
+use minijinja::{Value, context};
 use page::words::{counted, key, slug};
 use std::collections::BTreeMap;
 
-use super::effects;
-use super::shared::Clock;
+use super::time::Clock;
+use super::{Plots, effects};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
-use crate::{Cell, Finding, Section, Table, number};
+use crate::{Finding, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
 /// Most recordings whose field is drawn; the longest.
 const FIELDS_DRAWN: usize = 4;
 
-pub fn section(document: &Document) -> Option<Section> {
-    let mut section = Section::new("recordings", "Recordings");
+fn missing(recording: &Recording) -> usize {
+    let readings = recording.columns.values().flat_map(|column| column.iter());
+    readings.filter(|value| !value.is_finite()).count()
+}
+
+/// Of each procedure its name, and how many recordings, rows and missing readings there are.
+pub fn procedures(document: &Document) -> Vec<(&str, [usize; 3])> {
     let mut procedures: BTreeMap<&str, [usize; 3]> = BTreeMap::new();
-    let mut list = Table::new("Each recording", "id | procedure | start | rows | missing readings | columns");
     for recording in &document.recordings {
-        let readings = recording.columns.values().flat_map(|column| column.iter());
-        let missing = readings.filter(|value| !value.is_finite()).count();
         let counts = procedures.entry(&recording.procedure).or_default();
-        *counts = [counts[0] + 1, counts[1] + recording.rows(), counts[2] + missing];
+        *counts = [counts[0] + 1, counts[1] + recording.rows(), counts[2] + missing(recording)];
+    }
+    procedures.into_iter().collect()
+}
+
+/// Each recording.
+pub fn list(document: &Document) -> Vec<Value> {
+    let one = |recording: &Recording| {
         let names: Vec<&str> = recording.columns.keys().map(String::as_str).collect();
         let columns =
             recording.table.as_ref().map_or(names.join(", "), |table| format!("in the table {table}"));
-        let (id, procedure) = (&recording.id, &recording.procedure);
-        list.row((id, procedure, &recording.start, recording.rows(), missing, columns));
-    }
-    let procedures = procedures.into_iter().map(|(procedure, [a, b, c])| (procedure, a, b, c));
-    section.rows("By procedure", "procedure | recordings | rows | missing readings", procedures);
-    section.table(list);
-    draw(&mut section, document);
-    (!section.items.is_empty()).then_some(section)
+        context! {
+            id => recording.id,
+            procedure => recording.procedure,
+            start => recording.start,
+            rows => recording.rows(),
+            missing => missing(recording),
+            columns,
+        }
+    };
+    document.recordings.iter().map(one).collect()
 }
 
-/// Draws the recordings of which no other section speaks.
-fn draw(section: &mut Section, document: &Document) {
+/// Draws the longest recordings of which no other section speaks: how many there are, and are drawn.
+pub fn unread(all: &mut Plots, document: &Document) -> Value {
     let mut unread: Vec<&Recording> = document
         .recordings
         .iter()
@@ -48,15 +60,8 @@ fn draw(section: &mut Section, document: &Document) {
     unread.sort_by(|a, b| {
         b.rows().cmp(&a.rows()).then(moment(a).total_cmp(&moment(b))).then_with(|| a.id.cmp(&b.id))
     });
-    if unread.is_empty() {
-        return;
-    }
-    let drawn = unread.len().min(DRAWN);
-    let which = if drawn < unread.len() { format!("; drawn are the {drawn} longest") } else { String::new() };
-    section.say(format!("No program has read {} as yet{which}.", counted(unread.len(), "recording")));
-    for recording in unread.iter().take(DRAWN) {
-        plots(recording).into_iter().for_each(|plot| section.plot(plot));
-    }
+    all.insert("recordings".into(), unread.iter().take(DRAWN).flat_map(|one| plots(one)).collect());
+    context! { count => unread.len(), drawn => unread.len().min(DRAWN) }
 }
 
 /// Whether a stage's result speaks of recordings of this procedure.
@@ -118,70 +123,73 @@ fn plots(recording: &Recording) -> Vec<Plot> {
     units.into_iter().enumerate().map(plot).collect()
 }
 
-/// The field that `correct` made of the readings.
-pub fn corrected(document: &Document) -> Option<Section> {
-    let mut section = Section::new("corrected", "Corrected field");
-    let mut table = Table::new(
-        "Recordings with a field",
-        "recording | frame | component | rows with a field | rows | lowest [nT] | highest [nT] | \
-         smallest standard uncertainty [nT] | largest [nT]",
-    );
-    let mut corrected: Vec<(&Recording, &str, &str)> = Vec::new();
-    for recording in &document.recordings {
-        for (quantity, frame) in [("field", "SEN"), ("field_geo", "GEO")] {
-            if recording.axis_column(quantity, Axis::X, "nt").is_some() {
-                corrected.push((recording, quantity, frame));
-            }
-        }
-    }
-    corrected.sort_by_key(|(recording, ..)| std::cmp::Reverse(recording.rows()));
-    for (recording, quantity, frame) in &corrected {
+/// The recordings with a field that `correct` made of the readings, the longest first, with its quantity and
+/// its frame.
+fn with_field(document: &Document) -> Vec<(&Recording, &'static str, &'static str)> {
+    let frames =
+        |recording| [("field", "SEN"), ("field_geo", "GEO")].map(|(of, frame)| (recording, of, frame));
+    let all = document.recordings.iter().flat_map(frames);
+    let mut found: Vec<(&Recording, &str, &str)> =
+        all.filter(|(recording, of, _)| recording.axis_column(of, Axis::X, "nt").is_some()).collect();
+    found.sort_by_key(|(recording, ..)| std::cmp::Reverse(recording.rows()));
+    found
+}
+
+/// The corrected fields, component by component; those of the longest recordings are drawn.
+pub fn corrected(all: &mut Plots, document: &Document) -> Value {
+    let found = with_field(document);
+    let (mut components, mut plots) = (Vec::new(), Vec::new());
+    let (mut rows, mut all_rows, mut largest) = (0, 0, 0.0_f64);
+    for (place, (recording, quantity, frame)) in found.iter().enumerate() {
         for axis in Axis::ALL {
             let Some((field, std)) = columns(recording, quantity, axis) else { continue };
-            let ends = |column: &[f64], cell: fn(f64) -> Cell| {
-                let ends = number::ends(column.iter().copied());
-                ends.map_or([Cell::Empty, Cell::Empty], |ends| ends.map(cell))
-            };
-            let [low, high] = ends(field, Cell::Number);
-            let [small, large] = ends(std, |std| Cell::Figures(std, 2));
-            let found = field.iter().filter(|value| value.is_finite()).count();
-            table.row((&recording.id, *frame, axis, found, recording.rows(), low, high, small, large));
-        }
-        if let Some(flags) = recording.column("field_flags") {
-            let count = |bit: u32| flags.iter().filter(|flags| (**flags as u32) & bit != 0).count();
-            let counts = (0..32).map(|bit| 1u32 << bit).map(|bit| (bit, count(bit)));
-            let counts: Vec<String> = counts
-                .filter(|(_, count)| *count > 0)
-                .map(|(bit, count)| format!("{bit} in {}", counted(count, "row")))
-                .collect();
-            if !counts.is_empty() {
-                let words = format!(
-                    "{}: flagged in `field_flags`: {}; the page of `correct` says what each flag means",
-                    recording.id,
-                    counts.join(", ")
-                );
-                section.warnings.push(Finding::of(words, effects::LEFT_OUT));
+            let known = field.iter().filter(|value| value.is_finite()).count();
+            let stds = number::ends(std.iter().copied());
+            if axis == Axis::X {
+                (rows, all_rows) = (rows + known, all_rows + field.len());
             }
-        }
-    }
-    section.table(table);
-    for (recording, quantity, frame) in corrected.iter().take(FIELDS_DRAWN) {
-        for axis in Axis::ALL {
-            let Some((field, std)) = columns(recording, quantity, axis) else { continue };
-            let (along, x) = Clock::axis(recording);
-            let id = format!("corrected-{}-{}-{axis}", slug(&recording.id), slug(quantity));
-            section.plot(
-                Plot::new(id, format!("Field along {axis} in {frame}, {}", recording.id))
+            largest = stds.map_or(largest, |[_, most]| largest.max(most));
+            components.push(context! {
+                recording => recording.id,
+                frame,
+                axis,
+                found => known,
+                rows => recording.rows(),
+                field => number::ends(field.iter().copied()),
+                std => stds,
+            });
+            if place < FIELDS_DRAWN {
+                let (along, x) = Clock::axis(recording);
+                let id = format!("corrected-{}-{}-{axis}", slug(&recording.id), slug(quantity));
+                let plot = Plot::new(id, format!("Field along {axis} in {frame}, {}", recording.id))
                     .axes(along, "field [nT]")
                     .with(Series::new("field", Mark::Line, axis.index(), &x, field).with_std(std))
-                    .note("Band: one standard uncertainty; it may be narrower than the line."),
-            );
+                    .note("Band: one standard uncertainty; it may be narrower than the line.");
+                plots.push(plot);
+            }
         }
     }
-    if corrected.len() > FIELDS_DRAWN {
-        section.say(format!("Drawn are the {FIELDS_DRAWN} longest of {}.", corrected.len()));
-    }
-    (!section.items.is_empty()).then_some(section)
+    all.insert("corrected".into(), plots);
+    context! { components, count => found.len(), drawn => FIELDS_DRAWN, rows, all => all_rows, std => largest }
+}
+
+/// Rows whose field is flagged.
+pub fn flagged(document: &Document) -> Vec<Finding> {
+    let found = with_field(document).into_iter().filter_map(|(recording, ..)| {
+        let flags = recording.column("field_flags")?;
+        let count = |bit: u32| flags.iter().filter(|flags| (**flags as u32) & bit != 0).count();
+        let counts = (0..32).map(|bit| 1u32 << bit).map(|bit| (bit, count(bit)));
+        let counts = counts.filter(|(_, count)| *count > 0);
+        let counts: Vec<String> =
+            counts.map(|(bit, count)| format!("{bit} in {}", counted(count, "row"))).collect();
+        let words = format!(
+            "{}: flagged in `field_flags`: {}; the page of `correct` says what each flag means",
+            recording.id,
+            counts.join(", ")
+        );
+        (!counts.is_empty()).then(|| Finding::of(words, effects::LEFT_OUT))
+    });
+    found.collect()
 }
 
 /// A component with its standard uncertainty.

@@ -1,12 +1,13 @@
 //! Residuals before and after, against time and what they may follow; the difference of two magnetometers
-//! likewise, and what adds to it.
+//! likewise.
 
-use common::{Axis, ContributionCause, DifferentialFit, PerAxis, ResidualSeries};
+use common::{Axis, Diagnosis, DifferentialFit, Document, ResidualSeries};
 use page::words::{key, slug};
 
-use super::shared::Clock;
+use super::time::Clock;
+use super::{Plots, side_by_side};
+use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series};
-use crate::{Cell, Section, number};
 
 /// Where what is left spans less than this share of what there was, it also has a plot of its own.
 const FLAT: f64 = 0.4;
@@ -56,22 +57,22 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
     plots
 }
 
-/// Plots against time, the field's rate of change and each housekeeping column, the axes side by side.
-pub fn draw(section: &mut Section, fit: &DifferentialFit) {
+/// Against time, the field's rate of change and each housekeeping column, the axes side by side.
+pub fn of_difference(fit: &DifferentialFit) -> Vec<Plot> {
     let mut along: Vec<&str> = Vec::new();
     for series in &fit.series {
         if !along.contains(&series.along.as_str()) {
             along.push(&series.along);
         }
     }
-    for along in along {
-        let of = |axis: Axis| -> Vec<Plot> {
+    let of_each = along.into_iter().map(|along| {
+        Axis::ALL.map(|axis| {
             let column = format!("test_{axis}_nt");
             let own = fit.series.iter().filter(|series| series.along == along && series.column == column);
             own.flat_map(|series| one(axis, series)).collect()
-        };
-        section.plots_side_by_side(Axis::ALL.into_iter().map(of).collect());
-    }
+        })
+    });
+    of_each.flat_map(|axes| side_by_side(axes.into())).collect()
 }
 
 fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
@@ -90,28 +91,30 @@ fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
     plots(&Names { id: format!("difference-{axis}"), title, residual: "difference", legend }, series, note)
 }
 
-/// What adds to the difference, the largest first, with the rms with it and without.
-pub fn contributions(section: &mut Section, fit: &DifferentialFit) {
-    let contributions = fit.contributions.iter().map(|one| {
-        let rms = |of: &PerAxis<f64>, axis| Cell::figures(of.get(axis).copied(), 3);
-        let both = |axis| [rms(&one.rms_with_nt, axis), rms(&one.rms_without_nt, axis)];
-        let [[a, b], [c, d], [e, f]] = Axis::ALL.map(both);
-        let cause = match one.cause {
-            ContributionCause::Clock => "difference of the clocks",
-            ContributionCause::Steps => "steps",
-            ContributionCause::Disturbances => "spikes and disturbed intervals",
-            ContributionCause::Drift => "drift",
-            ContributionCause::ShortPeriods => "periods excluded from the matrix",
-            ContributionCause::Column => "what follows",
+/// Each diagnosis: the first of its series, then the others.
+pub fn of_diagnosis(all: &mut Plots, document: &Document) {
+    for (index, diagnosis) in document.diagnosis.iter().flatten().enumerate() {
+        let drawn = |(number, series)| {
+            let id = format!("residual-{}-{}", index + 1, number + 1);
+            residuals(id, series, diagnosis)
         };
-        let what = one.column.as_ref().map_or(cause.to_string(), |column| format!("{cause} {column}"));
-        (what, one.taken_off, a, b, c, d, e, f)
+        let mut series = diagnosis.series.iter().enumerate().map(drawn);
+        let first = series.next().unwrap_or_default();
+        all.insert(format!("diagnosis-{}-first", index + 1), first);
+        all.insert(format!("diagnosis-{}-others", index + 1), series.flatten().collect());
+    }
+}
+
+fn residuals(id: String, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<Plot> {
+    let of = series.recording.as_deref().unwrap_or("all recordings");
+    let (column, _) = key(&series.column);
+    let noise = diagnosis.fit.as_ref().map(|fit| {
+        let floor = number::significant(fit.noise_floor_nt, 3);
+        format!("Noise of a reading: {floor} nT ({}).", fit.noise_source)
     });
-    section.rows(
-        "Contributions to the difference: rms with and without each, all else equal",
-        "what | taken off | x with [nT] | x without [nT] | y with [nT] | y without [nT] | z with [nT] | z without [nT]",
-        contributions,
-    );
+    let title = format!("Residual of {column}, {of},");
+    let legend = ["before: stated calibration", "after: with the effects found", "fitted"];
+    plots(&Names { id, title, residual: "residual", legend }, series, &noise.unwrap_or_default())
 }
 
 #[cfg(test)]

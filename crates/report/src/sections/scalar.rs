@@ -1,67 +1,22 @@
 //! The sensors calibrated by the magnitude of the field.
 
-use common::{Document, FieldDirections, Quantity, ScalarCalibration, ScalarStability};
+use common::{Calibration, FieldDirections, ScalarCalibration, ScalarStability};
 
-use super::effects::{self, findings};
+use super::Plots;
 use crate::plot::{Mark, Plot, Series};
-use crate::{Cell, Section, Table, number};
 
 /// Offsets stand behind the three sensitivities.
 const OFFSETS: usize = 3;
 const SENSORS: [&str; 3] = ["x", "y", "z"];
 
-pub fn section(document: &Document) -> Option<Section> {
-    let scalar = document.calibration.as_ref()?.scalar.as_ref()?;
-    let mut section = Section::new("scalar", "Sensors by the magnitude of the field");
-    let before = |rms| format!(", with the calibration as it was stated {} nT", number::figures(rms, 3));
-    section.say(format!(
-        "{} rows against {}: the residual |B| − F has an rms of {} nT{}.",
-        scalar.rows,
-        scalar.reference,
-        number::figures(scalar.rms_nt, 3),
-        scalar.rms_before_nt.map(before).unwrap_or_default()
-    ));
-    section.warnings.extend(findings("", &scalar.findings, &effects::axes::SCALAR, scalar));
-    let parameters = scalar.parameters.iter().map(|one| {
-        let alone = one.std_alone.map_or(Cell::from("not determined"), |std| Cell::Figures(std, 2));
-        let value = Cell::from(&Quantity::new(one.value, one.std));
-        (&one.name, value, &one.unit, alone, Cell::figures(one.std_with_known, 2))
+pub fn plots(plots: &mut Plots, calibration: &Calibration) {
+    let Some(scalar) = &calibration.scalar else { return };
+    let of_directions = scalar.directions.iter().flat_map(|directions| {
+        [hemisphere(directions, 1.0), hemisphere(directions, -1.0), by_component(directions)]
     });
-    let headers = "parameter | value | unit | from the readings alone | with prior knowledge";
-    section.rows("Parameters", headers, parameters);
-    if let Some(weakest) = &scalar.weakest {
-        section.say(format!("Least determined: {}. To determine it, {}.", weakest.words, weakest.remedy));
-    }
-    if let Some(vector) = &scalar.vector {
-        section.say(format!(
-            "With the direction of the field at {} moments: the residual has an rms of {} nT along it and of {} nT across it; the difference is an \
-             error of the attitude of {}″.{}",
-            vector.moments,
-            number::figures(vector.rms_along_nt, 3),
-            number::figures(vector.rms_across_nt, 3),
-            number::figures(vector.attitude_std_arcsec, 2),
-            if vector.across_only { " Only the residual across the field is used." } else { "" }
-        ));
-    }
-    if let Some(body) = &scalar.body {
-        let mut table = Table::new("Iron of the body, in SEN", "part | value | unit");
-        for (axis, quantity) in body.hard_iron_nt.iter() {
-            table.row((format!("hard iron, {axis}"), quantity, "nT"));
-        }
-        for (name, quantity) in &body.soft_iron_ppm {
-            table.row((format!("soft iron, {name}"), quantity, "ppm of the field"));
-        }
-        section.table(table);
-    }
-    if let Some(directions) = &scalar.directions {
-        section.plot(hemisphere(directions, 1.0));
-        section.plot(hemisphere(directions, -1.0));
-        section.plot(by_component(directions));
-    }
-    if let Some(stability) = scalar.stability.as_ref().filter(|stability| stability.windows.len() > 1) {
-        section.plot(offsets(scalar, stability));
-    }
-    Some(section)
+    let stability = scalar.stability.as_ref().filter(|stability| stability.windows.len() > 1);
+    let of_parts = stability.map(|stability| offsets(scalar, stability));
+    plots.insert("scalar".into(), of_directions.chain(of_parts).collect());
 }
 
 /// Directions of the field on one side of the plane of x and y, in Lambert's equal-area projection about ±z.

@@ -2,7 +2,6 @@
 //! both themes and on a phone's width. Needs the browser: `just browser`.
 
 use common::Document;
-use conformity::Spec;
 use page::html;
 use report::Options;
 use serde::Deserialize;
@@ -43,12 +42,11 @@ struct Seen {
 fn pages_in_a_browser() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut drawings = HashMap::new();
-    let spec = Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification");
-    let options = Options { spec: Some(spec), ..Options::default() };
+    let options = Options { spec: Some(crate::magsat()), ..Options::default() };
     let texts = CASES.map(testkit::read_fixture).into_iter().chain([r#"{"fluxcal": 1}"#.to_string()]);
     for (number, text) in texts.enumerate() {
         let document = Document::parse(&text).expect("a document");
-        let page = html::render(&report::run(&document, &options).expect("a page"));
+        let page = html::render(&report::run(&document, &options).expect("a page")).expect("HTML");
         let name = CASES.get(number).map_or("empty", |case| case);
         let name = format!("{}.html", name.replace('/', "-"));
         fs::write(folder.path().join(&name), page.replace("</body>", CHECK)).expect("written");

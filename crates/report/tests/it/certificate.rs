@@ -1,18 +1,13 @@
 //! The certificate: as it stands, what is blank, what is pointed out, and its results against the document.
 
 use certificate::{Asked, Sheet};
-use common::{Certificate, Document};
-use conformity::Spec;
+use common::Certificate;
 use roxmltree::{Document as Xml, ParsingOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
 
-const REPORT: &str = env!("CARGO_BIN_EXE_report");
-
-fn fixture(name: &str) -> Value {
-    serde_json::from_str(&testkit::read_fixture(name)).expect("JSON")
-}
+use crate::{REPORT, fixture, magsat, parsed, same};
 
 /// The campaign of MAGSAT with all administrative data.
 fn complete() -> Value {
@@ -22,12 +17,11 @@ fn complete() -> Value {
 }
 
 fn sheet(document: &Value) -> Sheet {
-    let document = Document::parse(&document.to_string()).expect("a document");
-    certificate::run(&document, &Asked::default()).expect("a certificate")
+    certificate::run(&parsed(document), &Asked::default()).expect("a certificate")
 }
 
 fn html(document: &Value) -> String {
-    certificate::render(&sheet(document), None)
+    certificate::render(&sheet(document), None).expect("HTML")
 }
 
 /// The certificate of a document with these administrative data alone.
@@ -41,32 +35,25 @@ fn blank(clause: &str) -> String {
 }
 
 /// The campaign of MAGSAT with all administrative data and a specification, a rotation in a meadow with none.
-/// BLESS=1 writes them anew; read the difference before it is kept.
 #[test]
 fn golden() {
-    let spec = Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification");
+    let spec = magsat();
     let schema = jsonschema::validator_for(&common::schema::document()).expect("a schema");
     assert!(schema.is_valid(&complete()));
     for (name, document, spec, blank) in [
         ("magsat.html", complete(), Some((&spec, Some("1e"))), 0),
         ("blank.html", fixture("scalarcal/meadow/expected.json"), None, 25),
     ] {
-        let document = Document::parse(&document.to_string()).expect("a document");
-        let findings = report::findings(&document);
+        let document = parsed(&document);
+        let findings = report::findings(&document).expect("findings");
         let asked = Asked { document_sha256: Some("0f"), findings: &findings, spec, ..Asked::default() };
         let sheet = certificate::run(&document, &asked).expect("a certificate");
         assert_eq!(sheet.blank().len(), blank, "{:?}", sheet.blank());
         assert!(blank > 0 || sheet.notes.is_empty(), "{:?}", sheet.notes);
-        let found = certificate::render(&sheet, None);
+        let found = certificate::render(&sheet, None).expect("HTML");
         let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
         Xml::parse_with_options(&found, options).unwrap_or_else(|error| panic!("{name}: {error}"));
-        let file = testkit::fixture("certificate").join(name);
-        if testkit::bless() {
-            fs::write(&file, &found).expect("written");
-        }
-        let expected = fs::read_to_string(&file).unwrap_or_default();
-        let first = found.lines().zip(expected.lines()).find(|(a, b)| a != b);
-        assert!(found == expected, "{name}: differs first at {first:?}");
+        same(&format!("certificate/{name}"), &found);
     }
 }
 

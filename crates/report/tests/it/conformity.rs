@@ -6,28 +6,17 @@ use page::text;
 use report::Page;
 use serde_json::{Value, json};
 use std::fs;
-use std::path::Path;
-use std::process::Command;
 
-const REPORT: &str = env!("CARGO_BIN_EXE_report");
-
-fn json_of(fixture: &str) -> Value {
-    serde_json::from_str(&testkit::read_fixture(fixture)).expect("JSON")
-}
+use crate::{REPORT, fixture, magsat, parsed, same};
 
 fn calibrated() -> Value {
-    json_of("specs/calibrated/input.json")
-}
-
-fn magsat() -> Value {
-    json_of("specs/magsat.json")
+    fixture("specs/calibrated/input.json")
 }
 
 /// What a document shows of each requirement of a specification.
 fn judged(document: &Value, spec: &Value) -> Vec<Judged<'static>> {
-    let document = Document::parse(&document.to_string()).expect("a document");
     let spec = Spec::parse(&spec.to_string()).expect("a specification");
-    conformity::judge(&document, Box::leak(spec.into())).expect("judged")
+    conformity::judge(&parsed(document), Box::leak(spec.into())).expect("judged")
 }
 
 /// What a document shows of one requirement.
@@ -56,8 +45,8 @@ fn near(value: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn values_and_uncertainties_are_those_of_draws_in_numpy() {
-    let reference = json_of("reference/certificate.json");
-    let all = judged(&calibrated(), &magsat());
+    let reference = fixture("reference/certificate.json");
+    let all = judged(&calibrated(), &fixture("specs/magsat.json"));
     let pairs = |key: &str, kind: RequirementKind, years: bool| {
         let is = |one: &&Judged<'_>| one.requirement.kind == kind && one.requirement.years.is_some() == years;
         let shown = &all.iter().find(is).expect("a requirement").shown;
@@ -197,7 +186,7 @@ fn accuracy_is_shown_where_the_calibration_covers_all_that_is_asked() {
 #[test]
 fn a_stated_calibration_passes_no_accuracy() {
     let requirement = json!({"kind": "absolute_accuracy_nt", "limit": 5.0, "range_nt": 64000.0});
-    let one = one(&json_of("axescal/magsat/expected.json"), requirement);
+    let one = one(&fixture("axescal/magsat/expected.json"), requirement);
     assert_eq!(one.verdict, Verdict::NotShown);
     // 1.36″ in 64 000 nT across are 0.42 nT; axes that are 5.8° off a right angle make it a little more.
     let largest = one.shown.iter().map(|shown| found(shown).std).fold(0.0, f64::max);
@@ -209,7 +198,7 @@ fn a_stated_calibration_passes_no_accuracy() {
 /// A document with nothing in it shows nothing, and says for each requirement what would.
 #[test]
 fn nothing_is_shown_of_an_empty_document() {
-    for one in judged(&json!({"fluxcal": 1}), &magsat()) {
+    for one in judged(&json!({"fluxcal": 1}), &fixture("specs/magsat.json")) {
         assert_eq!((one.verdict, one.decisive), (Verdict::NotShown, None), "{:?}", one.requirement.kind);
         assert!(!one.shown.is_empty() && one.shown.iter().all(Result::is_err));
     }
@@ -227,7 +216,10 @@ fn what_is_taken_away_is_not_shown() {
     ] {
         let mut input = calibrated();
         input["calibration"]["sensors"]["y"].as_object_mut().expect("an object").remove(part);
-        for one in judged(&input, &magsat()).iter().filter(|one| one.requirement.kind.name() == kind) {
+        for one in judged(&input, &fixture("specs/magsat.json"))
+            .iter()
+            .filter(|one| one.requirement.kind.name() == kind)
+        {
             let years = one.requirement.years.is_some();
             if kind == "offset_stability_nt" && years != (part == "drift") {
                 continue;
@@ -268,21 +260,12 @@ fn a_covariance_that_does_not_go_with_its_order_is_refused() {
     );
 }
 
-/// The statement of the fixture, word for word. BLESS=1 writes it anew; read the difference before it is
-/// kept.
+/// The statement of the fixture, word for word.
 #[test]
 fn golden() {
-    let document =
-        Document::parse(&testkit::read_fixture("specs/calibrated/input.json")).expect("a document");
-    let spec = Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification");
-    let section = conformity::section(&document, &spec).expect("a statement");
+    let section = conformity::section(&parsed(&calibrated()), &magsat()).expect("a statement");
     let page = Page { title: "Golden".into(), sections: vec![section], ..Page::default() };
-    let text = text::render(&page);
-    let file = testkit::fixture("specs/calibrated/expected.txt");
-    if testkit::bless() {
-        fs::write(&file, &text).expect("written");
-    }
-    assert_eq!(text, fs::read_to_string(&file).expect("committed"));
+    same("specs/calibrated/expected.txt", &text::render(&page));
 }
 
 /// Every specification of `fixtures/specs/bad` brings its message, exit code 2, and nothing on standard
@@ -297,11 +280,7 @@ fn each_fault_of_a_specification_has_its_message() {
     assert!(names.len() >= 20);
     for name in names {
         let run = testkit::run_in(REPORT, &folder, &["--spec", &name, "../calibrated/input.json"]);
-        let file = folder.join(name.replace(".json", ".txt"));
-        if testkit::bless() {
-            fs::write(&file, &run.stderr).expect("written");
-        }
-        assert_eq!(run.stderr, fs::read_to_string(&file).unwrap_or_default(), "{name}");
+        same(&format!("specs/bad/{}", name.replace(".json", ".txt")), &run.stderr);
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{name}");
     }
 }
@@ -340,45 +319,10 @@ fn committed_schema_and_fixtures() {
         serde_json::from_str(&fs::read_to_string(&file).expect("committed")).expect("JSON");
     assert!(committed == schema, "the types have changed: run with BLESS=1, read the difference, commit it");
     let specifications = jsonschema::validator_for(&schema).expect("a schema");
-    assert!(specifications.is_valid(&magsat()));
+    assert!(specifications.is_valid(&fixture("specs/magsat.json")));
     let documents = jsonschema::validator_for(&common::schema::document()).expect("a schema");
     assert!(documents.is_valid(&calibrated()));
     for name in ["key-unknown", "kind-unknown", "limit-missing", "limit-as-text", "temperatures-as-words"] {
-        assert!(!specifications.is_valid(&json_of(&format!("specs/bad/{name}.json"))), "{name}");
-    }
-}
-
-/// The commands of the pages run as they stand.
-#[test]
-fn the_pages() {
-    ["docs/conformity.md", "docs/certificate.md"].iter().for_each(|page| the_page(page));
-}
-
-fn the_page(page: &str) {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace");
-    let page = fs::read_to_string(root.join(page)).expect("a page");
-    let folder = tempfile::tempdir().expect("a folder");
-    fs::create_dir(folder.path().join("target")).expect("a folder");
-    let programs = Path::new(REPORT).parent().expect("a folder");
-    std::os::unix::fs::symlink(programs, folder.path().join("target/release")).expect("a link");
-    std::os::unix::fs::symlink(root.join("fixtures"), folder.path().join("fixtures")).expect("a link");
-    let blocks: Vec<&str> =
-        page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();
-    assert!(!blocks.is_empty());
-    let mut said = String::new();
-    for block in blocks {
-        let output = Command::new("sh")
-            .args(["-e", "-c", block])
-            .current_dir(folder.path())
-            .output()
-            .expect("a shell");
-        said += &String::from_utf8_lossy(&output.stdout);
-        said += &String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "{block}{said}");
-    }
-    // The lines that the page shows are those that come.
-    for line in page.lines().filter_map(|line| line.strip_prefix("    ")).filter(|line| !line.contains('…'))
-    {
-        assert!(said.contains(line), "{line}\nin\n{said}");
+        assert!(!specifications.is_valid(&fixture(&format!("specs/bad/{name}.json"))), "{name}");
     }
 }

@@ -1,13 +1,9 @@
 //! Findings by what they do to the result, on documents by hand.
 
-use common::Document;
-use report::{Effect, Item, Page};
+use report::{Effect, Item};
 use serde_json::{Value, json};
 
-fn page(document: &Value) -> Page {
-    let document = Document::parse(&document.to_string()).expect("a document");
-    report::run(&document, &report::Options::default()).expect("a page")
-}
+use crate::page;
 
 /// Of each finding in the list at the head: by how much it moves the result, and its first words.
 fn listed(document: &Value) -> Vec<(String, String)> {

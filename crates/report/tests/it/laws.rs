@@ -4,16 +4,11 @@
 //! A page shows numbers and estimates none: other names of axes, units, frames, noise and reference
 //! temperatures are other numbers to show, which golden pages hold.
 
-use common::Document;
 use page::text;
-use report::Options;
 use serde_json::Value;
 use testkit::laws;
 
-fn page(document: &Value) -> String {
-    let document = Document::parse(&document.to_string()).expect("a document");
-    text::render(&report::run(&document, &Options::default()).expect("a page"))
-}
+use crate::{fixture, page};
 
 fn each(law: impl Fn(&Value)) {
     for case in [
@@ -24,7 +19,7 @@ fn each(law: impl Fn(&Value)) {
         "diagnose/warm",
         "correct/flight",
     ] {
-        law(&serde_json::from_str(&testkit::read_fixture(&format!("{case}/expected.json"))).expect("JSON"));
+        law(&fixture(&format!("{case}/expected.json")));
     }
 }
 
@@ -36,7 +31,7 @@ fn unknown_keys_change_nothing() {
         for found in ["calibration", "diagnosis"].iter().filter(|found| !document[**found].is_null()) {
             asked[*found] = document[*found].clone();
         }
-        assert_eq!(page(&asked), page(document));
+        assert_eq!(text::render(&page(&asked)), text::render(&page(document)));
     });
 }
 
@@ -44,7 +39,7 @@ fn unknown_keys_change_nothing() {
 #[test]
 fn the_order_of_recordings_changes_no_line() {
     let lines = |document: &Value| {
-        let mut lines: Vec<String> = page(document).lines().map(str::to_string).collect();
+        let mut lines: Vec<String> = text::render(&page(document)).lines().map(str::to_string).collect();
         lines.sort();
         lines
     };

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-const REPORT: &str = env!("CARGO_BIN_EXE_report");
+use crate::REPORT;
 
 #[test]
 fn examples_run() {

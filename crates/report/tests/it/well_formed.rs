@@ -1,11 +1,13 @@
 //! Every page is well-formed, whatever stands in the document; every plot is drawn, and every link leads
 //! somewhere.
 
-use common::Document;
 use page::{html, text};
 use report::{Item, Options, Page};
 use roxmltree::{Document as Xml, Node, ParsingOptions};
+use serde_json::json;
 use std::collections::HashSet;
+
+use crate::{fixture, page, parsed};
 
 const CASES: [&str; 15] = [
     "coilcal/every-procedure",
@@ -25,12 +27,8 @@ const CASES: [&str; 15] = [
     "ingest/logger",
 ];
 
-fn page(text: &str) -> Page {
-    report::run(&Document::parse(text).expect("a document"), &Options::default()).expect("a page")
-}
-
 fn check(case: &str, page: &Page) -> String {
-    let html = html::render(page);
+    let html = html::render(page).expect("HTML");
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(&html, options).unwrap_or_else(|error| panic!("{case}: {error}"));
     let elements = || xml.descendants().filter(Node::is_element);
@@ -78,11 +76,11 @@ fn check(case: &str, page: &Page) -> String {
 #[test]
 fn every_fixture_gives_a_page() {
     for case in CASES {
-        let page = page(&testkit::read_fixture(&format!("{case}/expected.json")));
+        let page = page(&fixture(&format!("{case}/expected.json")));
         assert!(!page.sections.is_empty(), "{case}");
         check(case, &page);
     }
-    check("empty", &page(r#"{"fluxcal": 1}"#));
+    check("empty", &page(&json!({"fluxcal": 1})));
 }
 
 /// Titles and ids that are markup, ids that come to the same link, readings that are missing, all alike, or
@@ -98,14 +96,15 @@ fn a_hostile_document_is_shown_as_it_is() {
             {"id": "…", "procedure": "free_run", "columns": {"one": [1]}}],
         "diagnosis": [{"verdict": "unexplained", "series": [{"column": "x<y", "along": "time_s", "x": [0, 1], "before_nt": [1e-300, 2e-300], "after_nt": [1]}]}],
         "history": [{"stage": "<b>", "version": "1", "arguments": ["--a=<"]}]}"#;
-    let page = page(document);
+    let document = serde_json::from_str(document).expect("JSON");
+    let page = page(&document);
     let html = check("hostile", &page);
     for markup in ["<script", "<img", "<i>", "<p>&quot;", "\u{1b}", "\u{1}"] {
         assert!(!html.contains(markup), "{markup}");
     }
     assert!(!text::render(&page).contains('\u{1b}'));
     // Without a diagnosis the recordings are drawn.
-    let mut bare = Document::parse(document).expect("a document");
+    let mut bare = parsed(&document);
     bare.diagnosis = None;
     // A document with such readings is refused; the page stands them none the less.
     bare.recordings[1].columns["</svg><script>_nt"] = vec![1e308, -1e308, 0.0].into();

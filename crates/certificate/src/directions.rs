@@ -1,19 +1,19 @@
 //! Directions of sensors or coils in their frame, and the angles between them.
 
 use common::covariance::between;
-use common::{Axis, Document, uncertainty};
+use common::{Axis, Document, Quantity, uncertainty};
 use conformity::Joint;
+use minijinja::{Value, context};
 use nalgebra::Vector3;
 
-use crate::expanded::{Expanded, NORMAL};
-use crate::sheet::Sheet;
+use crate::expanded::NORMAL;
 
-/// The tables of one set of directions, `sensors` or `coils`.
-pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, frame: &str) {
+/// The tables of one set of directions, `sensors` or `coils`: each row with its name, result, unit and factor.
+pub fn tables(document: &Document, joint: &Joint, of: &str, frame: &str) -> Vec<Value> {
     let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     let found =
         axes.and_then(|axes| if of == "sensors" { axes.sensors.as_ref() } else { axes.coils.as_ref() });
-    let Some(found) = found else { return };
+    let Some(found) = found else { return Vec::new() };
     let one = of.trim_end_matches('s');
     let direction = |axis: Axis| Some((axis, Vector3::from(found.direction(axis)?)));
     let known: Vec<(Axis, Vector3<f64>)> = Axis::ALL.into_iter().filter_map(direction).collect();
@@ -23,19 +23,21 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
     let own = axes.and_then(|axes| axes.fit.as_ref()).map(|fit| fit.coverage_factor_95);
     let factor = joint.factor(&paths[0]).max(NORMAL);
     let expanded = |value: f64, variance: f64| {
-        let std = (variance > 0.0).then(|| variance.sqrt() * NORMAL / factor);
-        Expanded::new(value, std, Some(factor))
+        if variance > 0.0 {
+            Quantity::new(value, variance.sqrt() * NORMAL / factor)
+        } else {
+            Quantity::Bare(value)
+        }
     };
-    let mut table = Expanded::table(&format!("Directions of the {of} in {frame}, as cosines"));
+    let mut cosines: Vec<(String, Quantity, &str, f64)> = Vec::new();
     for (axis, unit) in &known {
         for (row, name) in ["x", "y", "z"].iter().enumerate() {
             let place = 3 * axis.index() + row;
             let result = expanded(unit[row], covariance[(place, place)]);
-            result.row(&mut table, &format!("{one} {axis}, cosine with {name} of {frame}"), "1");
+            cosines.push((format!("{one} {axis}, cosine with {name} of {frame}"), result, "1", factor));
         }
     }
-    sheet.table(table);
-    let mut table = Expanded::table(&format!("Angles of the {of}"));
+    let mut angles = Vec::new();
     for (i, (a, first)) in known.iter().enumerate() {
         for (b, second) in &known[i + 1..] {
             let cosine = first.dot(second).clamp(-1.0, 1.0);
@@ -50,19 +52,15 @@ pub fn tables(sheet: &mut Sheet, document: &Document, joint: &Joint, of: &str, f
             let variance = between(&covariance, &weights, &weights);
             let degrees = 1f64.to_degrees();
             let result = expanded(cosine.acos() * degrees, variance * degrees * degrees);
-            result.row(&mut table, &format!("between {one}s {a} and {b}"), "deg");
+            angles.push((format!("between {one}s {a} and {b}"), result, "deg", factor));
         }
     }
     for (axis, angle) in found.off_nominal_arcsec.iter().flat_map(|all| all.iter()) {
-        let angle = Expanded::of(angle, own.or(Some(factor)));
-        angle.row(&mut table, &format!("{one} {axis}, off its nominal axis"), "arcsec");
+        let name = format!("{one} {axis}, off its nominal axis");
+        angles.push((name, angle.clone(), "arcsec", own.unwrap_or(factor)));
     }
-    sheet.table(table);
-    let scalar = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
-    if of == "sensors" && scalar.is_some_and(|scalar| scalar.vector.is_none()) {
-        sheet.say(
-            "A common rotation of all sensors is not observable from magnitude alone: SEN is the frame in which they are nearest to their nominal axes. \
-             The angles between the sensors do not depend on that.",
-        );
-    }
+    vec![
+        context! { caption => format!("Directions of the {of} in {frame}, as cosines"), rows => cosines },
+        context! { caption => format!("Angles of the {of}"), rows => angles },
+    ]
 }

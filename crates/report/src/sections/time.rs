@@ -1,0 +1,50 @@
+//! Times in a unit that suits them.
+
+use common::{MatrixStability, Recording};
+use minijinja::{Value, context};
+use page::number;
+use page::plot::Dimension;
+
+/// A unit of time.
+pub struct Clock {
+    pub unit: &'static str,
+    seconds: f64,
+}
+
+impl Clock {
+    /// Seconds, hours beyond four of them, days beyond four of those.
+    pub fn of(times_s: &[f64]) -> Self {
+        let (unit, seconds) = match number::span(times_s.iter().copied()) / 3600.0 {
+            hours if hours > 96.0 => ("days", 86_400.0),
+            hours if hours > 4.0 => ("h", 3600.0),
+            _ => ("s", 1.0),
+        };
+        Self { unit, seconds }
+    }
+
+    /// The axis of a recording's times with its values, or of its rows where it has no times.
+    pub fn axis(recording: &Recording) -> (Dimension, Vec<f64>) {
+        match recording.column("time_s") {
+            Some(time_s) => {
+                let clock = Self::of(time_s);
+                (Dimension::linear("time", clock.unit), clock.times(time_s))
+            }
+            None => ("row".into(), (0..recording.rows()).map(|row| row as f64).collect()),
+        }
+    }
+
+    /// Times in this unit.
+    pub fn times(&self, times_s: &[f64]) -> Vec<f64> {
+        times_s.iter().map(|time| time / self.seconds).collect()
+    }
+}
+
+/// The middles of the windows of time and of the bands of periods in which a matrix was found.
+pub fn middles(stability: &MatrixStability) -> Value {
+    let windows = stability.windows.iter().flat_map(|windows| &windows.windows);
+    let times: Vec<f64> = windows.map(|window| (window.from_s + window.to_s) / 2.0).collect();
+    let clock = Clock::of(&times);
+    let bands = stability.bands.iter().flat_map(|bands| &bands.bands);
+    let periods: Vec<f64> = bands.map(|band| (band.from_period_s * band.to_period_s).sqrt()).collect();
+    context! { unit => clock.unit, times => clock.times(&times), periods }
+}
