@@ -78,7 +78,11 @@ fn every_column_is_filled() {
 #[test]
 fn every_result_is_there() {
     let schema = common::schema::document();
-    let sensors = filled(&schema, &schema["$defs"], &[]);
+    let mut sensors = filled(&schema, &schema["$defs"], &[]);
+    // Covariances are held against the parameters that they name.
+    let calibration = &mut sensors["calibration"];
+    calibration["uncertainty"] = Value::Null;
+    ["sensors", "coils"].iter().for_each(|of| calibration["axes"][*of]["covariance"] = Value::Null);
     let mut coils = sensors.clone();
     let calibration = coils["calibration"].as_object_mut().expect("an object");
     calibration.retain(|key, _| key == "coils");
