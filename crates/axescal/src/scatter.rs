@@ -130,7 +130,7 @@ fn estimated(
     options: &Options,
 ) -> Result<Estimate> {
     let (fit, weights, robust_scale) = if options.robust {
-        let robust = robust::solve_robust(problem, start, known_scale, &Iteration::default())?;
+        let robust = robust::solve_robust(problem, start, known_scale)?;
         (robust.fit, Some(robust.weights), Some(robust.scale))
     } else {
         (estimate::solve(problem, start, None, &Iteration::default())?, None, None)

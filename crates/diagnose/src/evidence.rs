@@ -193,7 +193,6 @@ pub fn energy(screen: &Screen, columns: &[usize], coefficients: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use estimate::screen::Products;
     use faer::Mat;
 
     /// Columns and a residual of a few rows, errors of variance one, nothing projected out.
@@ -203,9 +202,8 @@ mod tests {
             [(0.7 * t).sin(), 0.2 * t - 1.0, (1.3 * t).cos(), 0.9 * (0.7 * t).sin() + (2.1 * t).sin()]
         };
         let rows: Vec<[f64; 4]> = (0..12).map(row).collect();
-        let mut products = Products::of(3);
-        products.push(Mat::from_fn(12, 4, |i, j| rows[i][j]).as_ref());
-        (rows, Screen::of(&products))
+        let screen = Screen::of_rows(Mat::from_fn(12, 4, |i, j| rows[i][j]).as_ref());
+        (rows, screen)
     }
 
     fn rest(screen: &Screen, known: f64) -> Rest {

@@ -4,7 +4,6 @@
 mod variants;
 
 use common::{Document, Experiment, Noise, NoiseOfSensors, Recording};
-use estimate::screen::Screen;
 use faer::Mat;
 use serde_json::{Value, json};
 
@@ -148,7 +147,7 @@ fn columns(model: &Model<'_>, state: &State, additions: &[Addition]) -> Result<V
 /// Squared length of what some columns leave of a series, all whitened.
 fn unexplained(fitter: &Fitter<'_, '_>, series: &[f64], columns: &[Vec<f64>]) -> Result<f64, Error> {
     let all: Vec<usize> = (0..columns.len()).collect();
-    Ok(Screen::of(&fitter.products(&Mat::new(), columns, series)).given(&all)?.sum_of_squares())
+    Ok(fitter.screen(&Mat::new(), columns, series).given(&all)?.sum_of_squares())
 }
 
 /// A plan of one recording for `simulate campaign`: what the document states, and the columns that are set.

@@ -2,7 +2,7 @@
 
 use common::Document;
 use estimate::gauss_newton::{Control, Damping, Descent, Directions, Minimum, Tolerance};
-use estimate::screen::{Gain, Products, Screen};
+use estimate::screen::{Gain, Screen};
 use faer::Mat;
 use physics::EffectInstance;
 use rayon::prelude::*;
@@ -161,7 +161,7 @@ impl Fitter<'_, '_> {
     fn with_covariance(&self, at: At, jacobian: Mat<f64>) -> Result<Fit, Error> {
         let At { state, residual, white, cost } = at;
         let all: Vec<usize> = (0..jacobian.ncols()).collect();
-        let Gain { covariance, rank, .. } = Screen::of(&self.products(&jacobian, &[], &white)).gain(&all)?;
+        let Gain { covariance, rank, .. } = self.screen(&jacobian, &[], &white).gain(&all)?;
         let beyond = Mat::zeros(all.len(), all.len());
         let jacobian = jacobian.into();
         Ok(Fit { state, residual, white, jacobian, covariance, beyond, rank, cost })
@@ -182,7 +182,7 @@ impl Fitter<'_, '_> {
         let white = self.noise.whiten_all(&self.model.observed, columns);
         let base = fit.jacobian.ncols();
         let first: Vec<usize> = (0..base).collect();
-        Ok((Screen::of(&self.products(&fit.jacobian, &white, &fit.white)).given(&first)?, base))
+        Ok((self.screen(&fit.jacobian, &white, &fit.white).given(&first)?, base))
     }
 
     /// What all of some columns gain together.
@@ -192,13 +192,13 @@ impl Fitter<'_, '_> {
         Ok(screen.gain(&group)?)
     }
 
-    /// Products of whitened derivatives, further whitened columns, which prior knowledge does not touch, and
-    /// residual: by blocks of rows on all threads, without a copy of the whole.
-    pub fn products(&self, jacobian: &Mat<f64>, more: &[Vec<f64>], white: &[f64]) -> Products {
+    /// Whitened derivatives, further whitened columns, which prior knowledge does not touch, and residual:
+    /// products by blocks of rows on all threads, without a copy of the whole.
+    pub fn screen(&self, jacobian: &Mat<f64>, more: &[Vec<f64>], white: &[f64]) -> Screen {
         let width = jacobian.ncols() + more.len();
         let all = columns(jacobian).chain(more.iter().map(Vec::as_slice)).chain([white]);
         let all: Vec<&[f64]> = all.collect();
-        let blocks: Vec<Products> = (0..white.len())
+        let blocks: Vec<Mat<f64>> = (0..white.len())
             .into_par_iter()
             .step_by(BLOCK)
             .map(|from| {
@@ -208,14 +208,11 @@ impl Fitter<'_, '_> {
                     let there = &column[from.min(column.len())..to.min(column.len())];
                     part.col_as_slice_mut(j)[..there.len()].copy_from_slice(there);
                 }
-                let mut products = Products::of(width);
-                products.push(part.as_ref());
-                products
+                estimate::gram(part.as_ref())
             })
             .collect();
-        let mut products = Products::of(width);
-        blocks.into_iter().for_each(|block| products.join(block));
-        products
+        let total = blocks.iter().fold(Mat::zeros(width + 1, width + 1), |sum, block| sum + block);
+        Screen::of(total.as_ref(), white.len())
     }
 }
 

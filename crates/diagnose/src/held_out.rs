@@ -1,6 +1,6 @@
 //! Readings predicted from a fit to the others.
 
-use estimate::screen::Products;
+use estimate::screen::left_out;
 use faer::Mat;
 use physics::Kind;
 
@@ -72,16 +72,15 @@ impl Fitter<'_, '_> {
     pub fn held_out(&self, fit: &Fit) -> Result<HeldOut, Error> {
         let folds = self.folds(&fit.state, fit.white.len());
         let width = fit.jacobian.ncols();
-        let mut products = Products::of(width);
-        for fold in 0..=FOLDS {
+        let block = |fold: usize| {
             let rows: Vec<usize> = (0..fit.white.len()).filter(|row| folds[*row] == fold).collect();
             let block = Mat::from_fn(rows.len(), width + 1, |i, j| {
                 if j < width { fit.jacobian[(rows[i], j)] } else { fit.white[rows[i]] }
             });
-            products.push(block.as_ref());
-        }
-        let all: Vec<usize> = (0..width).collect();
-        let without = products.left_out(&all)?;
+            estimate::gram(block.as_ref())
+        };
+        let blocks: Vec<Mat<f64>> = (0..=FOLDS).map(block).collect();
+        let without = left_out(&blocks, &(0..width).collect::<Vec<_>>())?;
         let mut parts = vec![0.0; FOLDS];
         let squares = folds.iter().enumerate().map(|(row, fold)| {
             let part = parts.get_mut(*fold)?;

@@ -3,14 +3,12 @@
 //! Residuals are always observed less predicted, each divided by its standard deviation, so that a
 //! sum of squares is a χ². Prior knowledge enters as further rows of the same kind.
 //!
-//! *Nonlinear fits* are one damped Gauss-Newton iteration, [`minimise`]. Its problem (`Descent`) has points
-//! with residuals, which may live on a curved space (unit vectors in axescal), a linear problem about a
-//! point, and a way to move along a step. A prior is a further row with the residual (value − known)/σ; a
-//! common error stays common because it is one unknown. [`solve`] is the iteration for dense rows: steps are
-//! the minimum-norm ones of faer's SVD (Σσ² = ‖A‖² is checked at each call), damped only where a whole step
-//! does not descend. diagnose has many rows and costly derivatives: it takes its steps from products of rows
-//! and keeps derivatives from step to step. sensorcal steps to the mean under several covariances, which
-//! minimises no single sum of squares; its steps are shortened instead.
+//! *Nonlinear fits* are one damped Gauss-Newton iteration, [`minimise`]. A prior is a further row with the
+//! residual (value − known)/σ; a common error stays common because it is one unknown. [`solve`] is the
+//! iteration for dense rows, with minimum-norm steps by the SVD, damped only where a whole step does not
+//! descend. diagnose has many rows and costly derivatives: it takes its steps from products of rows and keeps
+//! derivatives from step to step. sensorcal steps to the mean under several covariances, which minimises no
+//! single sum of squares; its steps are shortened instead.
 //!
 //! Other iterations solve other problems: `scoring` and the fit of diffmag's `stream` maximise a likelihood
 //! whose variances are the unknowns, within limits; the time constant of an exponential drift is one unknown,
@@ -53,7 +51,6 @@ pub use series::{cadence, even, grouped, lag, resample};
 pub use spectral::{allan, cosine, cross_spectrum, haar, periodogram, sine, sources, spectrum, whittle};
 
 pub(crate) use nonlinear::scoring;
-pub(crate) use spectral::{bins, plans};
 
 use errors::Told;
 use thiserror::Error;

@@ -188,11 +188,8 @@ fn binned(residual: &[f64]) -> Option<Vec<(f64, f64, f64)>> {
     }
     // The ends are brought to one level: else a drift looks like noise at every frequency.
     let slope = (residual[n - 1] - residual[0]) / (n as f64 - 1.0);
-    let mut level: Vec<f64> =
-        residual.iter().enumerate().map(|(k, value)| value - slope * k as f64).collect();
-    let forward = fourier::forward(n);
-    let mut transform = forward.make_output_vec();
-    forward.process(&mut level, &mut transform).ok()?;
+    let level = residual.iter().enumerate().map(|(k, value)| value - slope * k as f64);
+    let transform = fourier::forward(level.collect());
     let mut bins: Vec<(f64, f64, f64)> = Vec::new();
     let mut last = usize::MAX;
     for (k, value) in transform.iter().enumerate().skip(1) {

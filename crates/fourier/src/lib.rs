@@ -10,58 +10,55 @@ pub use cosine::{Cosine, cosine};
 pub use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
-/// N real numbers to N/2 + 1 complex ones, X(k) = Σ x(n) exp(-2πi kn/N).
-pub type Forward = Arc<dyn RealToComplex<f64>>;
-
-/// N/2 + 1 complex numbers back to N real ones.
-pub type Inverse = Arc<dyn ComplexToReal<f64>>;
-
-/// Makes transforms and keeps what those of other lengths can share.
-pub struct Planner(RealFftPlanner<f64>);
-
-impl Planner {
-    /// A planner that has made none yet.
-    #[expect(clippy::new_without_default, reason = "a default planner would say no more than a new one")]
-    pub fn new() -> Self {
-        Self(RealFftPlanner::new())
-    }
-
-    /// The forward transform of `points` real numbers.
-    pub fn forward(&mut self, points: usize) -> Forward {
-        self.0.plan_fft_forward(points)
-    }
-
-    /// The inverse transform to `points` real numbers.
-    pub fn inverse(&mut self, points: usize) -> Inverse {
-        self.0.plan_fft_inverse(points)
-    }
-}
-
 /// Transforms of a length are asked for again and again, and making one takes as long as using it: so many of
-/// those used last are kept.
+/// those used last are kept, and more that have no more than so many points together.
 const KEPT: usize = 4;
+const KEPT_POINTS: usize = 1 << 20;
 
-static FORWARD: Mutex<Vec<Forward>> = Mutex::new(Vec::new());
-static INVERSE: Mutex<Vec<Inverse>> = Mutex::new(Vec::new());
+/// Plans with their lengths, that used last at the front.
+type Plans<T> = Mutex<Vec<(usize, Arc<T>)>>;
 
-/// The forward transform of `points` real numbers.
-pub fn forward(points: usize) -> Forward {
-    kept(&FORWARD, |plan| plan.len() == points, || Planner::new().forward(points))
+static FORWARD: Plans<dyn RealToComplex<f64>> = Mutex::new(Vec::new());
+static INVERSE: Plans<dyn ComplexToReal<f64>> = Mutex::new(Vec::new());
+
+/// N real numbers to N/2 + 1 complex ones, X(k) = Σ x(n) exp(-2πi kn/N).
+pub fn forward(mut series: Vec<f64>) -> Vec<Complex<f64>> {
+    let points = series.len();
+    let plan = kept(&FORWARD, points, || RealFftPlanner::new().plan_fft_forward(points));
+    let mut spectrum = plan.make_output_vec();
+    plan.process(&mut series, &mut spectrum).expect("buffers of the plan's lengths");
+    spectrum
 }
 
-/// The inverse transform to `points` real numbers.
-pub fn inverse(points: usize) -> Inverse {
-    kept(&INVERSE, |plan| plan.len() == points, || Planner::new().inverse(points))
+/// N/2 + 1 complex numbers back to N = `points` real ones. Imaginary parts at zero and at the Nyquist
+/// frequency, which a real series has not, do not count.
+///
+/// # Panics
+///
+/// Unless there are as many numbers.
+pub fn inverse(mut spectrum: Vec<Complex<f64>>, points: usize) -> Vec<f64> {
+    let plan = kept(&INVERSE, points, || RealFftPlanner::new().plan_fft_inverse(points));
+    let mut series = plan.make_output_vec();
+    spectrum[0].im = 0.0;
+    if points.is_multiple_of(2) {
+        spectrum[points / 2].im = 0.0;
+    }
+    plan.process(&mut spectrum, &mut series).expect("buffers of the plan's lengths, real ends");
+    series
 }
 
-/// One of those that are kept, or a new one in place of that which was not used for longest.
-fn kept<T: Clone>(plans: &Mutex<Vec<T>>, right: impl Fn(&T) -> bool, make: impl Fn() -> T) -> T {
+/// One of those that are kept, or a new one in place of those that were not used for longest.
+fn kept<T: ?Sized>(plans: &Plans<T>, points: usize, make: impl FnOnce() -> Arc<T>) -> Arc<T> {
     let mut plans = plans.lock().unwrap_or_else(PoisonError::into_inner);
-    let plan = match plans.iter().position(right) {
-        Some(place) => plans.remove(place),
+    let plan = match plans.iter().position(|(length, _)| *length == points) {
+        Some(place) => plans.remove(place).1,
         None => make(),
     };
-    plans.truncate(KEPT - 1);
-    plans.insert(0, plan.clone());
+    plans.insert(0, (points, plan.clone()));
+    let (mut number, mut sum) = (0, 0);
+    plans.retain(|(length, _)| {
+        (number, sum) = (number + 1, sum + length);
+        number <= KEPT || sum <= KEPT_POINTS
+    });
     plan
 }

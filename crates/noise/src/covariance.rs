@@ -1,6 +1,7 @@
 use common::Noise;
 use fourier::Complex;
 
+use crate::power_law::powers;
 use crate::{Grid, NoiseError, flicker_of};
 
 /// Covariance of readings at given times under a declared noise: of exactly the process that
@@ -40,41 +41,16 @@ pub fn covariance(noise: &Noise, rows: usize, time_s: Option<&[f64]>) -> Result<
 
 /// Covariance of two readings off the grid: each is a straight line between two of its points.
 fn between(lags: &[f64], (i, a): (usize, f64), (j, b): (usize, f64)) -> f64 {
+    let ends = |point: usize, share: f64| [(point, 1.0 - share), (point + 1, share)];
     let lag = |i: usize, j: usize| lags.get(i.abs_diff(j)).copied().unwrap_or(0.0);
-    let mut value = (1.0 - a) * (1.0 - b) * lag(i, j);
-    if a > 0.0 {
-        value += a * (1.0 - b) * lag(i + 1, j);
-    }
-    if b > 0.0 {
-        value += (1.0 - a) * b * lag(i, j + 1);
-    }
-    if a > 0.0 && b > 0.0 {
-        value += a * b * lag(i + 1, j + 1);
-    }
-    value
+    let of = |(j, other): (usize, f64)| ends(i, a).map(|(i, own)| own * other * lag(i, j));
+    ends(j, b).into_iter().flat_map(of).sum()
 }
 
 /// K(m Δt), m = 0 … n − 1, of power-law noise on an even grid of n points.
 fn autocovariance(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
-    let mut power: Vec<Complex<f64>> = powers(points, step_s, amplitude, exponent)
-        .into_iter()
-        .map(|power| Complex::new(power, 0.0))
-        .collect();
-    let mut lags = vec![0.0; points];
-    let transform = fourier::inverse(points);
-    transform.process(&mut power, &mut lags).expect("buffers of the plan's lengths, real ends");
-    lags
-}
-
-/// The variance at each Fourier frequency of an even grid, on one side of the spectrum: a transform counts
-/// each frequency twice but the Nyquist frequency once, which stands for half a cell. None at zero.
-pub(crate) fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
-    let resolution = 1.0 / (points as f64 * step_s);
-    let power = |k: usize| match k {
-        0 => 0.0,
-        k => amplitude * (k as f64 * resolution).powf(-exponent) * resolution / 2.0,
-    };
-    (0..points / 2 + 1).map(power).collect()
+    let power = powers(points, step_s, amplitude, exponent).into_iter().map(Complex::from).collect();
+    fourier::inverse(power, points)
 }
 
 #[cfg(test)]

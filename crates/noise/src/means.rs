@@ -3,7 +3,7 @@ use std::ops::Range;
 use common::Noise;
 use fourier::Complex;
 
-use crate::covariance::powers;
+use crate::power_law::powers;
 use crate::{Grid, NoiseError, flicker_of};
 
 /// Covariance of means of readings under a declared noise, of exactly the process that [`crate::series`]
@@ -32,7 +32,6 @@ pub fn covariance_of_means(
     let Some(time) = time_s.filter(|time| time.len() > 1) else { return Ok(all) };
     if let Some((amplitude, exponent)) = flicker_of(noise)? {
         let grid = Grid::of(time)?;
-        let transform = fourier::forward(grid.points);
         let spectra: Vec<Vec<Complex<f64>>> = members
             .iter()
             .map(|rows| {
@@ -45,9 +44,7 @@ pub fn covariance_of_means(
                         *next += share / rows.len() as f64;
                     }
                 }
-                let mut spectrum = vec![Complex::new(0.0, 0.0); grid.points / 2 + 1];
-                transform.process(&mut weights, &mut spectrum).expect("buffers of the plan's lengths");
-                spectrum
+                fourier::forward(weights)
             })
             .collect();
         // One side of the spectrum: each frequency counts twice but the Nyquist frequency once.

@@ -11,24 +11,28 @@ pub fn power_law(stream: &mut Stream, points: usize, step_s: f64, amplitude: f64
     if points < 2 {
         return vec![0.0; points];
     }
+    let drawn = |(k, power): (usize, f64)| {
+        let size = (power / 2.0).sqrt();
+        match k {
+            0 => Complex::default(),
+            // The Nyquist frequency is real and stands for half a cell.
+            k if 2 * k == points => Complex::new(stream.normal() * size * std::f64::consts::SQRT_2, 0.0),
+            _ => Complex::new(stream.normal() * size, stream.normal() * size),
+        }
+    };
+    let powers = powers(points, step_s, amplitude, exponent);
+    fourier::inverse(powers.into_iter().enumerate().map(drawn).collect(), points)
+}
+
+/// The variance at each Fourier frequency of an even grid, on one side of the spectrum: a transform counts
+/// each frequency twice but the Nyquist frequency once, which stands for half a cell. None at zero.
+pub(crate) fn powers(points: usize, step_s: f64, amplitude: f64, exponent: f64) -> Vec<f64> {
     let resolution = 1.0 / (points as f64 * step_s);
-    let mut spectrum: Vec<Complex<f64>> = (0..points / 2 + 1)
-        .map(|k| {
-            if k == 0 {
-                return Complex::new(0.0, 0.0);
-            }
-            let size = (amplitude * (k as f64 * resolution).powf(-exponent) * resolution / 4.0).sqrt();
-            if 2 * k == points {
-                // The Nyquist frequency is real and stands for half a cell.
-                return Complex::new(stream.normal() * size * std::f64::consts::SQRT_2, 0.0);
-            }
-            Complex::new(stream.normal() * size, stream.normal() * size)
-        })
-        .collect();
-    let mut series = vec![0.0; points];
-    let transform = fourier::inverse(points);
-    transform.process(&mut spectrum, &mut series).expect("buffers of the plan's lengths, real ends");
-    series
+    let power = |k: usize| match k {
+        0 => 0.0,
+        k => amplitude * (k as f64 * resolution).powf(-exponent) * resolution / 2.0,
+    };
+    (0..points / 2 + 1).map(power).collect()
 }
 
 /// A random walk: zero at the first row, a normal step of `per_sqrt_s` √Δt from row to row (nT).

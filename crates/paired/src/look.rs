@@ -6,7 +6,7 @@ mod columns;
 use common::{ClockDifference, Quantity};
 use estimate::events;
 use estimate::resample::{PASSBAND, resample};
-use estimate::spectral::{self, Transform, Transformer, WeightedFit};
+use estimate::spectral::{self, Transform, WeightedFit};
 use faer::Mat;
 
 use crate::noise::Noise;
@@ -166,28 +166,26 @@ pub fn look(pair: &Pair) -> Result<Look, Error> {
 struct Columns<'a> {
     pair: &'a Pair,
     rates: [Vec<f64>; 3],
-    transformer: Transformer,
     transforms: Vec<Transform>,
 }
 
 impl<'a> Columns<'a> {
     fn of(pair: &'a Pair) -> Self {
-        let transformer = Transformer::new(pair.whole.len());
-        let transforms = beside(pair).map(|column| transformer.transform(&column)).collect();
+        let transforms = beside(pair).map(|column| Transform::of(&column)).collect();
         let rates = pair.reference.each_ref().map(|column| seen_rate(pair, column));
-        Self { transforms, rates, pair, transformer }
+        Self { transforms, rates, pair }
     }
 
     /// The fit of one axis, and what it says of the clock.
     fn one(&self, test: &[f64]) -> Result<(LookAxis, WeightedFit), Error> {
         let pair = self.pair;
         let base: Vec<&Transform> = self.transforms.iter().collect();
-        let y = self.transformer.transform(test);
-        let alike = self.transformer.weights(pair.step_s, &|_| 1.0);
-        let plain = self.transformer.weighted(&base, &y, &alike)?.coefficients;
+        let y = Transform::of(test);
+        let alike = y.weights(pair.step_s, &|_| 1.0);
+        let plain = spectral::weighted(&base, &y, &alike)?.coefficients;
         let mut eta = std::array::from_fn(|i| plain[i]);
         let mut noise = Noise::seen(&rest(beside(pair), test, &plain), pair)?;
-        let under = self.transformer.regress(&base, &y, pair.step_s, &|f| noise.density(f))?;
+        let under = spectral::regress_transforms(&base, &y, pair.step_s, &|f| noise.density(f))?;
         // Where the instruments do not answer alike at all frequencies, what is strong decides.
         let agree = spectral::agreement_p(
             (&under.least_squares[..3], &under.covariance),
@@ -199,15 +197,14 @@ impl<'a> Columns<'a> {
         for _ in 0..ROUNDS {
             turned_by = eta;
             let clock = clock_columns(pair, &turned(&self.rates, &turned_by));
-            let transforms = clock.each_ref().map(|column| self.transformer.transform(column));
+            let transforms = clock.each_ref().map(|column| Transform::of(column));
             let all: Vec<&Transform> = transforms.iter().chain(base.iter().copied()).collect();
             let density = |f: f64| noise.density(f);
             fit = if plain_only {
-                let both = self.transformer.regress(&all, &y, pair.step_s, &density)?;
+                let both = spectral::regress_transforms(&all, &y, pair.step_s, &density)?;
                 WeightedFit { coefficients: both.least_squares, covariance: both.covariance }
             } else {
-                let weights = self.transformer.weights(pair.step_s, &density);
-                self.transformer.weighted(&all, &y, &weights)?
+                spectral::weighted(&all, &y, &y.weights(pair.step_s, &density))?
             };
             drop(transforms);
             eta = std::array::from_fn(|i| fit.coefficients[CLOCK + i]);

@@ -1,7 +1,7 @@
 //! What is unknown of the base model: of the calibration and of each recording.
 
 use common::{Axis, Document};
-use estimate::screen::{Products, Screen};
+use estimate::screen::Screen;
 use faer::Mat;
 use physics::{Parameter, Unit};
 
@@ -36,10 +36,8 @@ pub enum Unknown {
 /// Columns that the others say as well.
 pub(super) fn undetermined(columns: &[&Vec<f64>]) -> Result<Vec<usize>, Error> {
     let rows = columns.first().map_or(0, |column| column.len());
-    let mut products = Products::of(columns.len());
     let block = Mat::from_fn(rows, columns.len() + 1, |i, j| columns.get(j).map_or(0.0, |column| column[i]));
-    products.push(block.as_ref());
-    let screen = Screen::of(&products);
+    let screen = Screen::of_rows(block.as_ref());
     let alone = |k: usize| -> Result<bool, Error> {
         let others: Vec<usize> = (0..columns.len()).filter(|other| *other != k).collect();
         Ok(screen.given(&others)?.visible(k) < SAME)

@@ -1,7 +1,6 @@
 //! The effects that explain, with their parameters and the evidence.
 
 use common::{Axis, ExplainedEffect, ListedEffect, Quantity, Rival, Verdict};
-use estimate::screen::Screen;
 use indexmap::IndexMap;
 use physics::{EffectInstance, Kind, Role};
 use std::ops::Range;
@@ -74,7 +73,7 @@ fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) -> Ind
 fn visible(fitter: &Fitter<'_, '_>, outcome: &Outcome, of: &[usize]) -> Result<f64, Error> {
     let base: Vec<usize> = (0..fitter.model.unknowns.len()).collect();
     let jacobian = &outcome.fit.jacobian;
-    let screen = Screen::of(&fitter.products(jacobian, &[], &outcome.fit.white)).given(&base)?;
+    let screen = fitter.screen(jacobian, &[], &outcome.fit.white).given(&base)?;
     let (mut left, mut whole) = (0.0, 0.0);
     for column in of {
         let energy: f64 = jacobian.col_as_slice(*column).iter().map(|value| value * value).sum();

@@ -133,8 +133,6 @@ pub struct CorrelatedFit {
     pub rank: usize,
     /// The coefficients under each covariance, with their probabilities, from which intervals are made.
     pub mixture: Mixture,
-    /// ln of the restricted likelihood, averaged over the covariances; its zero depends on the design.
-    pub log_likelihood: f64,
 }
 
 impl CorrelatedFit {
@@ -204,8 +202,6 @@ pub fn fit(
     let best = (0..fits.len())
         .max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)))
         .ok_or(Error::TooFew { found: 0, unknowns })?;
-    let largest = likelihood(&best);
-    let sum: f64 = (0..fits.len()).map(|at| (likelihood(&at) - largest).exp()).sum();
     let freedom = match scale {
         Scale::Fitted => fits[best].freedom,
         Scale::Known => f64::INFINITY,
@@ -226,7 +222,6 @@ pub fn fit(
         freedom: likeliest.freedom,
         rank: likeliest.rank,
         mixture,
-        log_likelihood: largest + sum.ln(),
     })
 }
 

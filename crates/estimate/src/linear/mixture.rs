@@ -91,35 +91,32 @@ impl Mixture {
         wider * other * self.covariance(i, j)
     }
 
-    fn parts(&self, coefficient: usize) -> impl Iterator<Item = Part> {
-        let mean = self.mean[coefficient];
-        self.weighty().map(move |(one, weight)| Part {
-            weight,
-            away: one.coefficients[coefficient] - mean,
-            std: one.covariance[(coefficient, coefficient)].max(0.0).sqrt(),
-        })
-    }
-
     /// h/u of one coefficient: β ± h holds it with `probability`, u its standard deviation as in
     /// [`Mixture::covariance`]. With one model this is Student's factor.
     pub fn coverage_factor(&self, coefficient: usize, probability: f64) -> f64 {
         let single = stats::coverage_factor(probability, self.freedom);
-        let parts: Vec<Part> = self.parts(coefficient).collect();
-        let variance: f64 = parts.iter().map(Part::variance).sum();
-        if parts.len() < 2 || variance == 0.0 || parts.iter().any(|part| part.std == 0.0) {
+        // Under each model its weight, the distance from the mean over all, and the standard deviation.
+        let part = |(one, weight): (&Component, f64)| {
+            let std = one.covariance[(coefficient, coefficient)].max(0.0).sqrt();
+            (weight, one.coefficients[coefficient] - self.mean[coefficient], std)
+        };
+        let parts: Vec<(f64, f64, f64)> = self.weighty().map(part).collect();
+        let variance: f64 =
+            parts.iter().map(|(weight, away, std)| weight * (std.powi(2) + away.powi(2))).sum();
+        if parts.len() < 2 || variance == 0.0 || parts.iter().any(|(.., std)| *std == 0.0) {
             return single;
         }
         let law = law(self.freedom);
-        let far = |part: &Part| part.away.abs() + single * part.std;
+        let far = |(_, away, std): &(f64, f64, f64)| away.abs() + single * std;
         let (mut low, mut high) = (0.0, parts.iter().map(far).fold(0.0, f64::max));
         let mut half = (single * variance.sqrt()).min(high);
         // Newton's steps, or half the bracket where one would leave it.
         for _ in 0..MOST_STEPS {
-            let (inside, slope) = parts.iter().fold((0.0, 0.0), |(inside, slope), part| {
-                let [above, below] = [half - part.away, -half - part.away].map(|at| at / part.std);
-                let density = (law.pdf(above) + law.pdf(below)) / part.std;
+            let (inside, slope) = parts.iter().fold((0.0, 0.0), |(inside, slope), (weight, away, std)| {
+                let [above, below] = [half - away, -half - away].map(|at| at / std);
+                let density = (law.pdf(above) + law.pdf(below)) / std;
                 let held = law.cdf(above) - law.cdf(below);
-                (inside + part.weight * held, slope + part.weight * density)
+                (inside + weight * held, slope + weight * density)
             });
             if inside < probability {
                 low = half
@@ -155,20 +152,6 @@ impl Mixture {
     fn weighty(&self) -> impl Iterator<Item = (&Component, f64)> {
         let all = self.components.iter().zip(self.weights.iter().copied());
         all.filter(|(_, weight)| *weight > NEGLIGIBLE)
-    }
-}
-
-/// One coefficient under one model: its distance from the mean over all, and its standard deviation.
-struct Part {
-    weight: f64,
-    away: f64,
-    std: f64,
-}
-
-impl Part {
-    /// What it adds to the variance of the mixture.
-    fn variance(&self) -> f64 {
-        self.weight * (self.std.powi(2) + self.away.powi(2))
     }
 }
 

@@ -92,7 +92,7 @@ impl Wander {
 mod tests {
     use super::*;
     use crate::correlated::{self, Scale, Whitening};
-    use noise::{Stream, random_walk};
+    use crate::positive::Positive;
 
     #[test]
     fn turned_and_whole_covariances_fit_alike() {
@@ -117,35 +117,30 @@ mod tests {
             assert!((found.covariance[(i, i)] / one.covariance(i, i) - 1.0).abs() < 1e-10);
         }
         // Likelihoods agree up to a constant.
-        let second = correlated::fit(design.as_ref(), &y, &[whole(1.0, 0.4)], Scale::Known).expect("a fit");
-        let (turned, straight) =
-            (found.log_weight - other.log_weight, one.log_likelihood - second.log_likelihood);
-        assert!((turned - straight).abs() < 1e-9, "{turned} {straight}");
+        let both = [whole(s, q), whole(1.0, 0.4)];
+        let both = correlated::fit(design.as_ref(), &y, &both, Scale::Known).expect("a fit").mixture;
+        let straight = (both.weights()[0] / both.weights()[1]).ln();
+        assert!((found.log_weight - other.log_weight - straight).abs() < 1e-9, "{straight}");
     }
 
     #[test]
     fn the_reference_prior_is_the_information_of_the_likelihood() {
-        // Fisher information is the variance of the derivative of the restricted log likelihood: ½ tr (P K)².
+        // √tr (P K)² of whole matrices.
         let rows = 9;
-        let own = vec![1.0; rows];
-        let walk: Vec<f64> = (0..rows * rows).map(|at| (at / rows).min(at % rows) as f64).collect();
+        let own: Vec<f64> = (0..rows).map(|i| 0.5 + 0.1 * i as f64).collect();
+        let walk = Mat::from_fn(rows, rows, |i, j| 3.0 * i.min(j) as f64);
         let design = Mat::from_fn(rows, 2, |i, j| if j == 0 { 1.0 } else { i as f64 });
-        let q = 0.8;
-        let (mut sum, mut draws) = (0.0, 0.0);
-        let mut stream = Stream::new(1, "wander");
-        let scale = (0..rows).map(|i| walk[i * rows + i]).sum::<f64>() / rows as f64;
-        let time: Vec<f64> = (0..rows).map(|i| i as f64).collect();
-        let mut prior = 0.0;
-        for _ in 0..4000 {
-            let mut y = random_walk(&mut stream, &time, (q / scale).sqrt());
-            y.iter_mut().for_each(|level| *level += stream.normal());
-            let wander = Wander::of(design.as_ref(), &y, &own, &walk).expect("turned");
-            prior = wander.reference_prior(q).expect("a prior");
-            let at = |q: f64| wander.fit(1.0, q).expect("a fit").log_weight;
-            sum += ((at(q + 1e-4) - at(q - 1e-4)) / 2e-4).powi(2);
-            draws += 1.0;
-        }
-        let information: f64 = sum / draws;
-        assert!((2.0 * information / (prior * prior) - 1.0).abs() < 0.1, "{information} {prior}");
+        let given: Vec<f64> = (0..rows * rows).map(|at| walk[(at / rows, at % rows)]).collect();
+        let wander = Wander::of(design.as_ref(), &vec![0.0; rows], &own, &given).expect("turned");
+        let (q, scale) = (0.8, 1.0 / wander.scale());
+        let entry = |i: usize, j: usize| q * scale * walk[(i, j)] + if i == j { own[i] } else { 0.0 };
+        let inverse = |matrix: &Mat<f64>| Positive::of(matrix).expect("positive").inverse;
+        let v = inverse(&Mat::from_fn(rows, rows, entry));
+        let p = &v - &v * &design * inverse(&(design.transpose() * &v * &design)) * design.transpose() * &v;
+        let pk = &p * &walk * faer::Scale(scale);
+        let square = &pk * &pk;
+        let trace: f64 = (0..rows).map(|i| square[(i, i)]).sum();
+        let prior = wander.reference_prior(q).expect("a prior");
+        assert!((prior / trace.sqrt() - 1.0).abs() < 1e-9, "{prior} {trace}");
     }
 }

@@ -30,11 +30,11 @@ pub fn solve_robust<P: Problem>(
     problem: &P,
     start: P::State,
     known_scale: bool,
-    options: &Options,
 ) -> Result<RobustFit<P::State>, Error> {
     let readings = problem.readings();
     let mut weights = vec![1.0; readings];
-    let mut fit = solve(problem, start, None, options)?;
+    let options = Options::default();
+    let mut fit = solve(problem, start, None, &options)?;
     let mut scale = 1.0;
     for _ in 0..ROUNDS {
         let standardised = standardised(problem, &fit, &weights);
@@ -52,7 +52,7 @@ pub fn solve_robust<P: Problem>(
         scale = s * (squares / left.max(1.0)).sqrt() / slope.max(0.1);
         let change = next.iter().zip(&weights).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         weights = next;
-        fit = solve(problem, fit.state, Some(&weights), options)?;
+        fit = solve(problem, fit.state, Some(&weights), &options)?;
         if change < 1e-6 {
             break;
         }

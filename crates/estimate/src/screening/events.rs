@@ -8,7 +8,7 @@ pub use departures::{Departures, Product, correlate};
 use std::ops::Range;
 use std::sync::Arc;
 
-use fourier::{Complex, Forward, Inverse};
+use fourier::Complex;
 
 use crate::Error;
 use crate::stats::{coverage_factor, mean};
@@ -57,8 +57,6 @@ pub struct Search {
 
 /// The whitening of a series' differences.
 struct Filter {
-    forward: Forward,
-    back: Inverse,
     /// 1/S_k.
     weights: Vec<f64>,
     /// K_m.
@@ -70,7 +68,6 @@ impl Filter {
         if n < LEAST {
             return Err(Error::TooFew { found: n, unknowns: LEAST });
         }
-        let (forward, back) = (fourier::forward(n), fourier::inverse(n));
         let from = (n / MEMORY).max(1);
         let mut weights = vec![0.0; n / 2 + 1];
         for (k, weight) in weights.iter_mut().enumerate().skip(from) {
@@ -81,26 +78,18 @@ impl Filter {
             }
             *weight = 1.0 / variance;
         }
-        let mut spectrum: Vec<Complex<f64>> = weights.iter().map(|w| Complex::new(*w, 0.0)).collect();
-        let mut kernel = back.make_output_vec();
-        back.process(&mut spectrum, &mut kernel).expect("buffers of the plan's lengths, real ends");
-        Ok(Self { forward, back, weights, kernel })
+        let kernel = fourier::inverse(weights.iter().map(Complex::from).collect(), n);
+        Ok(Self { weights, kernel })
     }
 
     /// g' of a series.
     fn apply(&self, series: &[f64]) -> Vec<f64> {
         let n = series.len();
-        let mut differences: Vec<f64> =
-            (0..n).map(|m| series[m] - series[if m == 0 { n - 1 } else { m - 1 }]).collect();
-        let mut transform = self.forward.make_output_vec();
-        self.forward.process(&mut differences, &mut transform).expect("buffers of the plan's lengths");
+        assert_eq!(n, self.kernel.len(), "samples of the series");
+        let difference = |m: usize| series[m] - series[if m == 0 { n - 1 } else { m - 1 }];
+        let mut transform = fourier::forward((0..n).map(difference).collect());
         transform.iter_mut().zip(&self.weights).for_each(|(e, weight)| *e *= weight);
-        transform[0].im = 0.0;
-        if n.is_multiple_of(2) {
-            transform[n / 2].im = 0.0;
-        }
-        let mut filtered = differences;
-        self.back.process(&mut transform, &mut filtered).expect("buffers of the plan's lengths, real ends");
+        let mut filtered = fourier::inverse(transform, n);
         let wrap = filtered[0] / self.kernel[0];
         filtered.iter_mut().zip(&self.kernel).for_each(|(g, k)| *g -= wrap * k);
         filtered

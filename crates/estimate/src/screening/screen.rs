@@ -5,9 +5,7 @@
 //! distribution by chance and prediction of rows left out follow from them.
 
 mod chance;
-mod products;
 mod projection;
 
 pub use chance::{Chance, Search};
-pub use products::Products;
-pub use projection::{Column, Gain, Screen};
+pub use projection::{Column, Gain, Screen, left_out};

@@ -40,13 +40,8 @@ pub fn explained(
     if n < 2 * reach + 2 {
         return Err(Error::TooFew { found: n, unknowns: 2 * reach + 2 });
     }
-    let (forward, back) = (fourier::forward(n), fourier::inverse(n));
     let transform = |values: &[f64]| -> Vec<Complex<f64>> {
-        let mut differences: Vec<f64> =
-            (0..n).map(|m| if m == 0 { 0.0 } else { values[m] - values[m - 1] }).collect();
-        let mut output = forward.make_output_vec();
-        forward.process(&mut differences, &mut output).expect("buffers of the plan's lengths");
-        output
+        fourier::forward((0..n).map(|m| if m == 0 { 0.0 } else { values[m] - values[m - 1] }).collect())
     };
     let x: Vec<Vec<Complex<f64>>> = columns.iter().map(|column| transform(column)).collect();
     let y = transform(y);
@@ -69,17 +64,11 @@ pub fn explained(
     let information = Mat::from_fn(unknowns, unknowns, |i, j| {
         (from..y.len()).map(|k| twice(k) * (x[i][k].conj() * x[j][k]).re * weight[k]).sum::<f64>()
     });
-    let mut products = Vec::new();
-    for column in &x {
-        let mut input: Vec<Complex<f64>> =
-            column.iter().zip(&y).zip(&weight).map(|((x, y), w)| x.conj() * y * w).collect();
-        if n.is_multiple_of(2) {
-            input[n / 2].im = 0.0;
-        }
-        let mut output = back.make_output_vec();
-        back.process(&mut input, &mut output).expect("buffers of the plan's lengths, real ends");
-        products.push(output);
-    }
+    let product = |column: &Vec<Complex<f64>>| {
+        let product = column.iter().zip(&y).zip(&weight).map(|((x, y), w)| x.conj() * y * w);
+        fourier::inverse(product.collect(), n)
+    };
+    let products: Vec<Vec<f64>> = x.iter().map(product).collect();
     let factor = cholesky(information.as_ref())?;
     if (0..unknowns).any(|i| factor.L()[(i, i)].powi(2) <= DEPENDENT * information[(i, i)]) {
         let reason = "a column that follows from the others".into();

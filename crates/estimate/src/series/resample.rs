@@ -1,14 +1,10 @@
-//! Even series at other times: band-limited interpolation; and uneven series made even.
+//! Even series at other times: band-limited interpolation.
 
 use std::borrow::Cow;
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use crate::linear::dot;
-
-mod pchip;
-
-pub use pchip::pchip;
 
 /// Shape of the Kaiser window for a stopband of −80 dB: β = 0.1102 (A − 8.7) (Kaiser 1974).
 const BETA: f64 = 0.1102 * (80.0 - 8.7);

@@ -22,11 +22,14 @@ pub struct AllanPoint {
 }
 
 /// Overlapping Allan deviations of the averages of samples `step_s` seconds apart, at m = 1, 2, 4, … samples
-/// as long as 4m ≤ n. Each is that of [`deviation`].
+/// as long as 4m ≤ n.
+///
+/// σ̂² = Σ (x_(i+2m) − 2x_(i+m) + x_i)² / (2m²(N − 2m)), i = 0 … N − 2m − 1,
+///
+/// with the N = n + 1 sums x_i of the first i samples, each less the mean of all.
 ///
 /// `exponent` gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of the samples' density
-/// that dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk). With the N = n + 1 sums
-/// of the samples the degrees of freedom are
+/// that dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk). Degrees of freedom are
 ///
 /// - α = 0: (3(N − 1)/(2m) − 2(N − 2)/N) · 4m²/(4m² + 5),
 /// - α = 1: 5N²/(4m(N + 3m)), and for m = 1 2(N − 2)²/(2.3N − 4.9),
@@ -75,16 +78,6 @@ pub fn of_noise(samples: &[f64], step_s: f64, noise: &WhittleFit) -> Result<Vec<
     })
 }
 
-/// The overlapping Allan deviation of the averages of `m` samples, in their unit; none if the samples do not
-/// hold two such averages, or m is 0.
-///
-/// σ̂² = Σ (x_(i+2m) − 2x_(i+m) + x_i)² / (2m²(N − 2m)), i = 0 … N − 2m − 1,
-///
-/// with the N = n + 1 sums x_i of the first i samples, each less the mean of all.
-pub fn deviation(samples: &[f64], m: usize) -> Option<f64> {
-    (1..=samples.len() / 2).contains(&m).then(|| variance(&sums(samples), m).sqrt())
-}
-
 impl AllanPoint {
     /// The band that holds the true deviation with `probability`, half of the rest on either side (the
     /// samples' unit); see [`stats::variance_interval`].
@@ -131,4 +124,41 @@ fn freedom(sums: usize, m: usize, exponent: f64) -> f64 {
         _ => (n - 2.0) / m * ((n - 1.0).powi(2) - 3.0 * m * (n - 1.0) + 4.0 * m * m) / (n - 3.0).powi(2),
     };
     table.min(pairs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn published_test_sets() {
+        // W. J. Riley, NIST Special Publication 1065 (2008), sets of 9 and of 1000 frequencies; the first is from
+        // NBS Monograph 140, Annex 8.E, the second n/(2³¹ − 1), n' = 16807 n mod (2³¹ − 1).
+        let nine = [892.0, 809.0, 823.0, 798.0, 671.0, 644.0, 883.0, 903.0, 677.0];
+        let modulus = (1_u64 << 31) - 1;
+        let numbers = std::iter::successors(Some(1_234_567_890_u64), |n| Some(16_807 * n % modulus));
+        let thousand: Vec<f64> = numbers.take(1000).map(|n| n as f64 / modulus as f64).collect();
+        for (samples, m, printed) in [
+            (&nine[..], 1, "9.122945e1"),
+            (&nine, 2, "8.595287e1"),
+            (&thousand, 1, "2.922319e-1"),
+            (&thousand, 10, "9.159953e-2"),
+            (&thousand, 100, "3.241343e-2"),
+        ] {
+            assert_eq!(format!("{:.6e}", variance(&sums(samples), m).sqrt()), printed, "m = {m}");
+        }
+    }
+
+    #[test]
+    fn a_large_constant_takes_no_digits() {
+        // Noise of 0.01 in steps of 2⁻²⁰, so that 50 000 more leaves the samples exact.
+        let unit = (1_u32 << 20) as f64;
+        let mut stream = noise::Stream::new(5, "constant");
+        let noise: Vec<f64> = (0..200_000).map(|_| (0.01 * stream.normal() * unit).round() / unit).collect();
+        let lifted: Vec<f64> = noise.iter().map(|x| x + 50_000.0).collect();
+        for m in [1, 64, 4096, 50_000] {
+            let ratio = variance(&sums(&lifted), m) / variance(&sums(&noise), m);
+            assert!((ratio.sqrt() - 1.0).abs() < 1e-11, "m = {m}: {ratio}");
+        }
+    }
 }

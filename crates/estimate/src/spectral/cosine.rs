@@ -4,7 +4,7 @@
 //! memory jumps at the ends, as they do in a Fourier transform. What is slow is where it matters, and there
 //! the covariance is exact.
 
-use crate::bins::{WIDEST_BIN, bins};
+use crate::cross_spectrum::{WIDEST_BIN, bins};
 use crate::periodogram::{Bin, Periodogram};
 use crate::whittle::WhittleFit;
 
@@ -79,7 +79,7 @@ impl Cosine {
     /// Biometrics Bull. 2 (1946) 110–114.
     pub fn freedom(&self, relative_std: impl Fn(f64) -> f64, influence: &[f64]) -> f64 {
         let (mut sum, mut uncertain) = (0.0, 0.0);
-        for (bin, squares) in bins(self.rows - 1).zip(influence) {
+        for (bin, squares) in bins(self.rows - 1, WIDEST_BIN).zip(influence) {
             sum += squares;
             uncertain += squares * relative_std(self.frequency(bin.start + 1));
         }

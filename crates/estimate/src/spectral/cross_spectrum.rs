@@ -1,5 +1,7 @@
 //! Spectra and cross-spectra of several even series together: a Hermitian matrix at each frequency.
 
+use std::ops::Range;
+
 use faer::{Mat, c64};
 
 use crate::Error;
@@ -56,22 +58,15 @@ impl CrossSpectra {
         let hop = n - n / 2;
         let starts: Vec<usize> = (0..=rows - n).step_by(hop).collect();
         let windows: Vec<Vec<f64>> = (1..=tapers).map(|order| sine_taper(n, order)).collect();
-        let mut sums = Sums::new(channels.len(), n.div_ceil(2) - 1);
-        let mut transform = Transform::new(n);
+        let mut sums = Sums::of(channels.len(), (n, step_s), 0.0);
         for start in &starts {
             for window in &windows {
-                let transforms: Vec<Vec<c64>> =
-                    channels.iter().map(|x| transform.of(&x[*start..start + n], Some(window))).collect();
-                sums.add(&transforms, |order| Some(order - 1));
+                sums.add(channels.iter().map(|x| transform(&x[*start..start + n], Some(window))));
             }
         }
         let averaged = (starts.len() * tapers) as f64;
         let freedom = freedom(&windows, hop, starts.len());
-        Ok(Self {
-            frequency_hz: (1..=sums.0.len()).map(|k| k as f64 / (n as f64 * step_s)).collect(),
-            freedom: vec![freedom; sums.0.len()],
-            matrices: sums.scaled(|_| 2.0 * step_s / averaged),
-        })
+        Ok(sums.spectra(|_| (2.0 * step_s / averaged, freedom)))
     }
 
     /// The spectral matrices of the whole series without a taper, averaged over neighbouring Fourier
@@ -85,24 +80,20 @@ impl CrossSpectra {
         if n < LEAST_SAMPLES {
             return Err(Error::TooFew { found: n, unknowns: LEAST_SAMPLES });
         }
-        let mut transform = Transform::new(n);
-        let transforms: Vec<Vec<c64>> = channels.iter().map(|x| transform.of(x, None)).collect();
-        let (mut bin_of, mut bins) = (vec![None; n.div_ceil(2)], Vec::new());
-        let mut from = 1;
-        while from < bin_of.len() {
-            let to = (from + ((widest * from as f64) as usize).max(1)).min(bin_of.len());
-            bin_of[from..to].fill(Some(bins.len()));
-            bins.push((0.5 * (from + to - 1) as f64, (to - from) as f64));
-            from = to;
-        }
-        let mut sums = Sums::new(channels.len(), bins.len());
-        sums.add(&transforms, |order| bin_of.get(order).copied().flatten());
-        Ok(Self {
-            frequency_hz: bins.iter().map(|(order, _)| order / (n as f64 * step_s)).collect(),
-            freedom: bins.iter().map(|(_, count)| 2.0 * count).collect(),
-            matrices: sums.scaled(|bin| 2.0 * step_s / (n as f64 * bins[bin].1)),
-        })
+        let mut sums = Sums::of(channels.len(), (n, step_s), widest);
+        sums.add(channels.iter().map(|x| transform(x, None)));
+        Ok(sums.spectra(|count| (2.0 * step_s / (n as f64 * count), 2.0 * count)))
     }
+}
+
+/// Widest bin of a periodogram, as a share of its lowest frequency.
+pub(crate) const WIDEST_BIN: f64 = 0.02;
+
+/// Places of k = 1 … `count` in bins; the first is that of k = 1.
+pub(crate) fn bins(count: usize, widest: f64) -> impl Iterator<Item = Range<usize>> {
+    let next = move |from: usize| from + ((widest * (from + 1) as f64) as usize).max(1);
+    let starts = std::iter::successors(Some(0), move |from| Some(next(*from)));
+    starts.take_while(move |from| *from < count).map(move |from| from..next(from).min(count))
 }
 
 /// Samples of every series.
@@ -137,58 +128,52 @@ pub(crate) fn freedom(windows: &[Vec<f64>], hop: usize, segments: usize) -> f64 
     2.0 * (count * windows.len() as f64).powi(2) / common
 }
 
-/// Transforms of one length.
-pub(crate) struct Transform {
-    plan: fourier::Forward,
-    input: Vec<f64>,
-    scratch: Vec<c64>,
+/// The transform of samples less their mean.
+pub(crate) fn transform(samples: &[f64], window: Option<&Vec<f64>>) -> Vec<c64> {
+    let middle = mean(samples);
+    let mut input: Vec<f64> = samples.iter().map(|x| x - middle).collect();
+    if let Some(window) = window {
+        input.iter_mut().zip(window).for_each(|(x, weight)| *x *= weight);
+    }
+    fourier::forward(input)
 }
 
-impl Transform {
-    pub fn new(n: usize) -> Self {
-        let plan = fourier::forward(n);
-        Self { input: plan.make_input_vec(), scratch: plan.make_scratch_vec(), plan }
-    }
-
-    /// Of the samples less their mean.
-    pub fn of(&mut self, samples: &[f64], window: Option<&Vec<f64>>) -> Vec<c64> {
-        let middle = mean(samples);
-        for (m, (input, x)) in self.input.iter_mut().zip(samples).enumerate() {
-            *input = (x - middle) * window.map_or(1.0, |window| window[m]);
-        }
-        let mut output = self.plan.make_output_vec();
-        self.plan
-            .process_with_scratch(&mut self.input, &mut output, &mut self.scratch)
-            .expect("buffers of the plan's lengths");
-        output
-    }
+/// Sums of X_i* X_j over the ordinates of each bin.
+struct Sums {
+    bins: Vec<Range<usize>>,
+    length_s: f64,
+    sums: Vec<Mat<c64>>,
 }
-
-/// Sums of X_i* X_j for each estimate.
-struct Sums(Vec<Mat<c64>>);
 
 impl Sums {
-    fn new(channels: usize, estimates: usize) -> Self {
-        Self(vec![Mat::zeros(channels, channels); estimates])
+    /// Of nothing yet: n samples, bins no wider than that share of their frequency.
+    fn of(channels: usize, (n, step_s): (usize, f64), widest: f64) -> Self {
+        let bins: Vec<Range<usize>> = bins(n.div_ceil(2) - 1, widest).collect();
+        Self { sums: vec![Mat::zeros(channels, channels); bins.len()], bins, length_s: n as f64 * step_s }
     }
 
-    /// Adds each ordinate, from the first below the Nyquist frequency on, to its estimate.
-    fn add(&mut self, transforms: &[Vec<c64>], estimate: impl Fn(usize) -> Option<usize>) {
-        let ordinates = transforms.first().map_or(0, Vec::len);
-        for order in 1..ordinates {
-            let Some(sum) = estimate(order).and_then(|at| self.0.get_mut(at)) else { continue };
-            for (i, x) in transforms.iter().enumerate() {
-                for (j, y) in transforms.iter().enumerate() {
-                    sum[(i, j)] += x[order].conj() * y[order];
+    fn add(&mut self, transforms: impl Iterator<Item = Vec<c64>>) {
+        let transforms: Vec<Vec<c64>> = transforms.collect();
+        for (sum, bin) in self.sums.iter_mut().zip(&self.bins) {
+            for order in bin.start + 1..=bin.end {
+                for (i, x) in transforms.iter().enumerate() {
+                    for (j, y) in transforms.iter().enumerate() {
+                        sum[(i, j)] += x[order].conj() * y[order];
+                    }
                 }
             }
         }
     }
 
-    fn scaled(self, factor: impl Fn(usize) -> f64) -> Vec<Mat<c64>> {
-        let scale = |(at, sum): (usize, Mat<c64>)| {
-            Mat::from_fn(sum.nrows(), sum.ncols(), |i, j| sum[(i, j)] * factor(at))
+    /// The spectra; `by` gives the factor of a sum and its degrees of freedom from its number of ordinates.
+    fn spectra(self, by: impl Fn(f64) -> (f64, f64)) -> CrossSpectra {
+        let of = |(bin, sum): (Range<usize>, Mat<c64>)| {
+            let (factor, freedom) = by(bin.len() as f64);
+            let middle = 0.5 * (bin.start + 1 + bin.end) as f64;
+            let matrix = Mat::from_fn(sum.nrows(), sum.ncols(), |i, j| sum[(i, j)] * factor);
+            (middle / self.length_s, (matrix, freedom))
         };
-        self.0.into_iter().enumerate().map(scale).collect()
+        let (frequency_hz, (matrices, freedom)) = self.bins.into_iter().zip(self.sums).map(of).unzip();
+        CrossSpectra { frequency_hz, matrices, freedom }
     }
 }

@@ -6,8 +6,7 @@ use std::ops::Range;
 use fourier::Complex;
 
 use crate::Error;
-use crate::bins::bins;
-use crate::cross_spectrum::LEAST_SAMPLES;
+use crate::cross_spectrum::{LEAST_SAMPLES, WIDEST_BIN, bins};
 use crate::stats::mean;
 
 mod component;
@@ -86,12 +85,7 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
     if !mean.is_finite() {
         return Err(Error::Series("with samples that are not finite"));
     }
-    let plan = fourier::forward(n);
-    let mut input: Vec<f64> = samples[..n].iter().map(|x| x - mean).collect();
-    let mut transform = plan.make_output_vec();
-    plan.process(&mut input, &mut transform).expect("buffers of the plan's lengths");
-    drop(input);
-
+    let mut transform = fourier::forward(samples[..n].iter().map(|x| x - mean).collect());
     let length_s = n as f64 * step_s;
     // Lines are sought at k = 0 … below n/2.
     let nyquist = transform.split_off(n.div_ceil(2));
@@ -110,9 +104,7 @@ pub fn periodogram(samples: &[f64], step_s: f64) -> Result<Periodogram, Error> {
 fn back(mut transform: Vec<Complex<f64>>, nyquist: Vec<Complex<f64>>, n: usize) -> Vec<f64> {
     transform.extend(nyquist);
     transform[0] = Complex::default();
-    let plan = fourier::inverse(n);
-    let mut series = plan.make_output_vec();
-    plan.process(&mut transform, &mut series).expect("buffers of the plan's lengths, real ends");
+    let mut series = fourier::inverse(transform, n);
     series.iter_mut().for_each(|x| *x /= n as f64);
     series
 }
@@ -133,7 +125,7 @@ fn averages(coefficients: &[f64], left_out: &[bool], step_s: f64) -> Vec<Bin> {
             count: 0.5 * count,
         })
     };
-    bins(coefficients.len()).filter_map(average).collect()
+    bins(coefficients.len(), WIDEST_BIN).filter_map(average).collect()
 }
 
 /// The largest even length with small prime factors only, if it leaves out no more than a hundredth; else the
@@ -158,7 +150,6 @@ fn has_small_factors(mut n: usize) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bins::WIDEST_BIN;
 
     #[test]
     fn fast_lengths() {

@@ -1,12 +1,13 @@
 //! Linear regression of long even series whose errors have a known spectrum.
 
 use faer::{ColRef, Mat};
-use fourier::{Complex, Forward};
+use fourier::Complex;
 
 use crate::Error;
+use crate::cross_spectrum::transform;
 use crate::linear::dot;
 use crate::positive::Positive;
-use crate::stats::{chi_squared_p, mean};
+use crate::stats::chi_squared_p;
 
 /// Frequencies whose products are summed at once: the numbers of all columns there stay near the processor.
 const BLOCK: usize = 256;
@@ -35,9 +36,6 @@ pub struct WeightedFit {
     pub covariance: Mat<f64>,
 }
 
-/// What each frequency weighs in a fit: one over the variance of the errors there.
-pub struct Weights(Vec<f64>);
-
 /// Fits y by columns, both less their means, under errors with the one-sided density `density` (the square of
 /// y's unit, per Hz).
 ///
@@ -62,85 +60,25 @@ pub fn regress(
     step_s: f64,
     density: &dyn Fn(f64) -> f64,
 ) -> Result<SpectralFit, Error> {
-    let transformer = Transformer::new(y.len());
-    let x: Vec<Transform> = columns.iter().map(|column| transformer.transform(column)).collect();
-    transformer.regress(&x.iter().collect::<Vec<_>>(), &transformer.transform(y), step_s, density)
+    let x: Vec<Transform> = columns.iter().map(|column| Transform::of(column)).collect();
+    regress_transforms(&x.iter().collect::<Vec<_>>(), &Transform::of(y), step_s, density)
 }
 
-/// The transform of a series less its mean.
-pub struct Transform(Vec<Complex<f64>>);
-
-/// Makes the transforms of series of one length, which may be used in many regressions.
-pub struct Transformer {
+/// The transform of a series less its mean, which may be used in many regressions.
+pub struct Transform {
     rows: usize,
-    plan: Forward,
+    values: Vec<Complex<f64>>,
 }
 
-impl Transformer {
-    /// For series of `rows` samples.
-    pub fn new(rows: usize) -> Self {
-        Self { rows, plan: fourier::forward(rows) }
+impl Transform {
+    /// Of a series.
+    pub fn of(series: &[f64]) -> Self {
+        Self { rows: series.len(), values: transform(series, None) }
     }
 
-    /// The transform of a series less its mean.
-    pub fn transform(&self, values: &[f64]) -> Transform {
-        let middle = mean(values);
-        let mut input: Vec<f64> = values.iter().map(|value| value - middle).collect();
-        let mut output = self.plan.make_output_vec();
-        self.plan.process(&mut input, &mut output).expect("buffers of the plan's lengths");
-        Transform(output)
-    }
-
-    /// The same as [`regress`] of columns and y that are transforms.
-    ///
-    /// Errors: as [`regress`].
-    pub fn regress(
-        &self,
-        columns: &[&Transform],
-        y: &Transform,
-        step_s: f64,
-        density: &dyn Fn(f64) -> f64,
-    ) -> Result<SpectralFit, Error> {
-        let unknowns = columns.len();
-        if self.rows < 2 * unknowns + 2 {
-            return Err(Error::TooFew { found: self.rows, unknowns });
-        }
-        let variances = self.at_frequencies(step_s, &|f| density(f) / (2.0 * step_s));
-        let plain = self.products(columns, y, &vec![1.0; variances.len()]);
-        let noisy = self.products(columns, y, &variances);
-        let independent = Positive::of(&square(&plain))?.inverse;
-        let weights = Weights(variances.iter().map(|variance| variance.recip()).collect());
-        let weighted = self.weighted(columns, y, &weights)?;
-        Ok(SpectralFit {
-            least_squares: solved(&independent, &plain),
-            covariance: &independent * &square(&noisy) * &independent,
-            weighted: weighted.coefficients,
-            weighted_covariance: weighted.covariance,
-            independent,
-        })
-    }
-
-    /// The weights of errors of this density, which may be used in many regressions.
-    pub fn weights(&self, step_s: f64, density: &dyn Fn(f64) -> f64) -> Weights {
-        Weights(self.at_frequencies(step_s, &|f| 2.0 * step_s / density(f)))
-    }
-
-    /// The weighted fit alone.
-    ///
-    /// Errors: as [`regress`].
-    pub fn weighted(
-        &self,
-        columns: &[&Transform],
-        y: &Transform,
-        weights: &Weights,
-    ) -> Result<WeightedFit, Error> {
-        let unknowns = columns.len();
-        if self.rows < 2 * unknowns + 2 {
-            return Err(Error::TooFew { found: self.rows, unknowns });
-        }
-        let products = self.products(columns, y, &weights.0);
-        let covariance = Positive::of(&square(&products))?.inverse;
-        Ok(WeightedFit { coefficients: solved(&covariance, &products), covariance })
+    /// What each frequency of such a series weighs under errors of this density: one over their variance.
+    pub fn weights(&self, step_s: f64, density: &dyn Fn(f64) -> f64) -> Vec<f64> {
+        self.at_frequencies(step_s, &|f| 2.0 * step_s / density(f))
     }
 
     /// A function of the frequency at all of them but zero.
@@ -148,36 +86,73 @@ impl Transformer {
         let length_s = self.rows as f64 * step_s;
         (1..=self.rows / 2).map(|k| of(k as f64 / length_s)).collect()
     }
+}
 
-    /// Sums of products of the columns, and y as the last of them, over all frequencies but zero, each times
-    /// its weight. Below the diagonal alone.
-    fn products(&self, columns: &[&Transform], y: &Transform, weights: &[f64]) -> Mat<f64> {
-        let count = self.rows as f64;
-        let all: Vec<&[Complex<f64>]> = columns.iter().copied().chain([y]).map(|of| &of.0[1..]).collect();
-        let mut sums: Mat<f64> = Mat::zeros(all.len(), all.len());
-        let mut scaled = vec![Vec::with_capacity(2 * BLOCK); all.len()];
-        for from in (0..weights.len()).step_by(BLOCK) {
-            let block = from..(from + BLOCK).min(weights.len());
-            // Bands weigh nothing elsewhere.
-            if weights[block.clone()].iter().all(|weight| *weight == 0.0) {
-                continue;
-            }
-            // The Nyquist frequency stands once in the transform, the others twice.
-            let share = |row: usize| if 2 * (row + 1) == self.rows { 1.0 } else { 2.0 } / count;
-            let roots: Vec<f64> = block.clone().map(|row| (share(row) * weights[row]).sqrt()).collect();
-            for (scaled, column) in scaled.iter_mut().zip(&all) {
-                scaled.clear();
-                let values = column[block.clone()].iter().zip(&roots);
-                scaled.extend(values.flat_map(|(x, root)| [x.re * root, x.im * root]));
-            }
-            for i in 0..all.len() {
-                for j in 0..=i {
-                    sums[(i, j)] += dot(&scaled[i], &scaled[j]);
-                }
+/// The same as [`regress`] of columns and y that are transforms.
+///
+/// Errors: as [`regress`].
+pub fn regress_transforms(
+    columns: &[&Transform],
+    y: &Transform,
+    step_s: f64,
+    density: &dyn Fn(f64) -> f64,
+) -> Result<SpectralFit, Error> {
+    let variances = y.at_frequencies(step_s, &|f| density(f) / (2.0 * step_s));
+    let weights: Vec<f64> = variances.iter().map(|variance| variance.recip()).collect();
+    let weighted = weighted(columns, y, &weights)?;
+    let plain = products(columns, y, &vec![1.0; variances.len()]);
+    let noisy = products(columns, y, &variances);
+    let independent = Positive::of(&square(&plain))?.inverse;
+    Ok(SpectralFit {
+        least_squares: solved(&independent, &plain),
+        covariance: &independent * &square(&noisy) * &independent,
+        weighted: weighted.coefficients,
+        weighted_covariance: weighted.covariance,
+        independent,
+    })
+}
+
+/// The weighted fit alone, by the weight of each frequency.
+///
+/// Errors: as [`regress`].
+pub fn weighted(columns: &[&Transform], y: &Transform, weights: &[f64]) -> Result<WeightedFit, Error> {
+    let unknowns = columns.len();
+    if y.rows < 2 * unknowns + 2 {
+        return Err(Error::TooFew { found: y.rows, unknowns });
+    }
+    let products = products(columns, y, weights);
+    let covariance = Positive::of(&square(&products))?.inverse;
+    Ok(WeightedFit { coefficients: solved(&covariance, &products), covariance })
+}
+
+/// Sums of products of the columns, and y as the last of them, over all frequencies but zero, each times
+/// its weight. Below the diagonal alone.
+fn products(columns: &[&Transform], y: &Transform, weights: &[f64]) -> Mat<f64> {
+    let count = y.rows as f64;
+    let all: Vec<&[Complex<f64>]> = columns.iter().copied().chain([y]).map(|of| &of.values[1..]).collect();
+    let mut sums: Mat<f64> = Mat::zeros(all.len(), all.len());
+    let mut scaled = vec![Vec::with_capacity(2 * BLOCK); all.len()];
+    for from in (0..weights.len()).step_by(BLOCK) {
+        let block = from..(from + BLOCK).min(weights.len());
+        // Bands weigh nothing elsewhere.
+        if weights[block.clone()].iter().all(|weight| *weight == 0.0) {
+            continue;
+        }
+        // The Nyquist frequency stands once in the transform, the others twice.
+        let share = |row: usize| if 2 * (row + 1) == y.rows { 1.0 } else { 2.0 } / count;
+        let roots: Vec<f64> = block.clone().map(|row| (share(row) * weights[row]).sqrt()).collect();
+        for (scaled, column) in scaled.iter_mut().zip(&all) {
+            scaled.clear();
+            let values = column[block.clone()].iter().zip(&roots);
+            scaled.extend(values.flat_map(|(x, root)| [x.re * root, x.im * root]));
+        }
+        for i in 0..all.len() {
+            for j in 0..=i {
+                sums[(i, j)] += dot(&scaled[i], &scaled[j]);
             }
         }
-        sums
     }
+    sums
 }
 
 /// The products of the columns with each other, on both sides of the diagonal.

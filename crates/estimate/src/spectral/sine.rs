@@ -21,14 +21,8 @@ pub struct Sine {
     pub cos: f64,
     /// Coefficient b of sin ωt.
     pub sin: f64,
-    /// Constant part.
-    pub offset: f64,
     /// Standard uncertainty of `cos` and of `sin`, from the noise near ω.
     pub std: f64,
-    /// Degrees of freedom behind `std`.
-    pub freedom: f64,
-    /// Readings used.
-    pub readings: usize,
 }
 
 /// A converter that rounds to whole codes.
@@ -89,8 +83,7 @@ pub fn fit(time_s: &[f64], values: &[f64], hz: f64, quantiser: Option<Quantiser>
     }
     let fitted = basis.values(&x);
     let residual: Vec<f64> = corrected.iter().zip(&fitted).map(|(y, f)| y - f).collect();
-    let (variance, freedom) = basis.variance(&time, &residual);
-    Ok(Sine { cos: x[0], sin: x[1], offset: x[2], std: variance.sqrt(), freedom, readings: y.len() })
+    Ok(Sine { cos: x[0], sin: x[1], std: basis.variance(&time, &residual).sqrt() })
 }
 
 /// Whether the readings are whole codes.
@@ -169,8 +162,8 @@ impl Basis {
         (0..self.design.nrows()).map(|i| (0..4).map(|j| self.design[(i, j)] * x[j]).sum()).collect()
     }
 
-    /// Variance of the coefficients of the sine, and the degrees of freedom behind it.
-    fn variance(&self, time: &[f64], residual: &[f64]) -> (f64, f64) {
+    /// Variance of the coefficients of the sine.
+    fn variance(&self, time: &[f64], residual: &[f64]) -> f64 {
         let n = time.len() as f64;
         let cycles = self.omega / std::f64::consts::TAU * self.length;
         let turns = FIRST_NEIGHBOUR..=NEIGHBOURS;
@@ -180,7 +173,7 @@ impl Basis {
         if turns.len() < 6 {
             let covariance = self.svd.covariance();
             let scatter = residual.iter().map(|r| r * r).sum::<f64>() / (n - 4.0);
-            return (scatter * 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]), n - 4.0);
+            return scatter * 0.5 * (covariance[(0, 0)] + covariance[(1, 1)]);
         }
         // Along the turns, each reading's phase grows by the same angle.
         let mut sums = vec![(0.0, 0.0); turns.len()];
@@ -199,7 +192,7 @@ impl Basis {
             }
         }
         let power: f64 = sums.iter().map(|(cos, sin)| (cos * cos + sin * sin) * 2.0 / (n * n)).sum();
-        (power / turns.len() as f64, 2.0 * turns.len() as f64)
+        power / turns.len() as f64
     }
 }
 

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::positive::cholesky;
 use crate::scoring::{Likelihood, Optimum, fall_without, inverse, minimise, upper};
 use crate::stats::chi_squared_p;
-use crate::whittle::Estimate;
+use crate::whittle::{Estimate, FLICKER};
 
 mod likelihood;
 
@@ -14,11 +14,6 @@ pub use likelihood::{KnownNoise, Mixture};
 
 use likelihood::Model;
 
-/// Twice the gain in log likelihood that flicker of a source has to bring for its exponent to be free, as in
-/// a single series.
-const FLICKER: f64 = 7.7;
-/// Twice the gain that its white noise has to bring.
-const WHITE: f64 = 5.412;
 /// Exponent of flicker that is not significant.
 const HELD: f64 = 1.0;
 /// Groups of ordinates that are held against the model have at least so many for each series.
@@ -117,12 +112,8 @@ fn report(mixture: &Mixture<'_>, model: &Model<'_>, found: &Optimum) -> Result<S
         } else {
             Estimate::below(factor * upper(model, found, a, &model.tied)?)
         };
-        let seen = fall_without(model, found, white, &model.tied)? > WHITE;
-        let variance = if seen {
-            Estimate { value: theta[white], std: std(white) }
-        } else {
-            Estimate::below(upper(model, found, white, &model.tied)?)
-        };
+        let variance = Estimate { value: theta[white], std: std(white) };
+        let variance = variance.or_below(model, found, white, &model.tied)?;
         sources.push(Source {
             amplitude,
             exponent: Estimate { value: theta[alpha], std: if flicker { std(alpha) } else { 0.0 } },

@@ -1,7 +1,7 @@
 //! Power spectral density of an evenly sampled series, by Welch's method.
 
 use crate::Error;
-use crate::cross_spectrum::{LEAST_SAMPLES, Transform, freedom};
+use crate::cross_spectrum::{LEAST_SAMPLES, freedom, transform};
 
 /// One-sided power spectral density by Welch's method.
 ///
@@ -50,11 +50,10 @@ pub fn welch(samples: &[f64], step_s: f64, segment_samples: usize) -> Result<Spe
     let common = n / 2;
     let hop = n - common;
     let window = hann(n);
-    let mut transform = Transform::new(n);
     let mut density = vec![0.0; n / 2 + 1];
     let mut segments = 0;
     for segment in samples.windows(n).step_by(hop) {
-        for (density, value) in density.iter_mut().zip(transform.of(segment, Some(&window))) {
+        for (density, value) in density.iter_mut().zip(transform(segment, Some(&window))) {
             *density += value.norm_sqr();
         }
         segments += 1;

@@ -6,13 +6,10 @@ use crate::scoring::{Likelihood, Optimum};
 use crate::stats::chi_squared_p;
 
 mod estimate;
-mod goodness;
 mod likelihood;
 mod report;
-mod search;
 
 pub use estimate::Estimate;
-pub use goodness::Group;
 pub use likelihood::White;
 pub(crate) use likelihood::{EXPONENTS, LONGEST};
 pub use report::WhittleFit;
@@ -23,7 +20,7 @@ use report::report;
 /// Twice the gain in log likelihood that flicker has to bring. White noise alone reaches it with a
 /// probability of 1 % in three series together and of 0.5 % in one, by simulation: without flicker there is
 /// no exponent, so that the gain has neither of the distributions χ²(1) and χ²(2).
-const FLICKER: f64 = 7.7;
+pub(crate) const FLICKER: f64 = 7.7;
 /// A restriction of the white noise is dropped below this probability.
 const RESTRICTED: f64 = 0.01;
 

@@ -6,6 +6,8 @@ use estimate::periodogram::periodogram;
 use estimate::whittle;
 use noise::Stream;
 
+use crate::made::made;
+
 const STEP_S: f64 = 60.0;
 const ROWS: usize = 4320;
 const TRIALS: u64 = 30;
@@ -24,15 +26,9 @@ const KINDS: [Kind; 3] = [
 ];
 
 impl Kind {
-    /// A series cut out of one four times as long.
     fn series(&self, seed: u64) -> Vec<f64> {
         let mut stream = Stream::new(seed, self.name);
-        let flicker = if self.amplitude > 0.0 {
-            noise::power_law(&mut stream, 4 * ROWS, STEP_S, self.amplitude, self.exponent)
-        } else {
-            vec![0.0; 4 * ROWS]
-        };
-        (0..ROWS).map(|row| flicker[row + ROWS] + self.white * stream.normal()).collect()
+        made(&mut stream, (ROWS, STEP_S), (self.amplitude, self.exponent), self.white)
     }
 }
 

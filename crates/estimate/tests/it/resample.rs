@@ -1,7 +1,8 @@
 //! Resampling against SciPy (fixtures/reference/resample_scipy.py), against sines, and where readings are
 //! missing.
 
-use estimate::resample::{PASSBAND, pchip, resample};
+use estimate::even::pchip;
+use estimate::resample::{PASSBAND, resample};
 use std::f64::consts::PI;
 use testkit::reference::{list, number, numbers, reference};
 

@@ -20,7 +20,6 @@ fn maxima_of_scipy() {
     let reference = reference("whittle_scipy");
     let of = |series: &Value| seen(&numbers(&series["samples"]), number(&series["step_s"]));
     let series: Vec<Periodogram> = list(&reference["series"]).iter().map(of).collect();
-    let mut log_likelihoods = Vec::new();
     for (form, white) in
         [("per_reading", White::PerReading), ("density", White::Density), ("each", White::Each)]
     {
@@ -44,16 +43,8 @@ fn maxima_of_scipy() {
         // The bins: 0.003, 0.012 and 0.005 standard errors were seen.
         assert!(off < 0.02, "{form}: {off} standard errors");
         assert!(off_covariance < 0.02, "{form}: {off_covariance}");
-        log_likelihoods.push((number(&expected["log_likelihood"]), found.log_likelihood));
     }
-    let [reading, density, each] = log_likelihoods.try_into().expect("three");
-    for other in [reading, density] {
-        // What the bins take from the likelihood is common to the forms.
-        let (expected, found) = (each.0 - other.0, each.1 - other.1);
-        assert!((found - expected).abs() < 0.02 * (1.0 + expected), "{found}, {expected}");
-    }
-    let chosen = fit(&series).expect("a fit");
-    assert_eq!(chosen.white, White::PerReading);
+    assert_eq!(fit(&series).expect("a fit").white, White::PerReading);
 }
 
 #[test]
@@ -187,9 +178,6 @@ fn other_noise_is_not_described() {
     }
     let found = fit(&[seen(&samples, 1.0)]).expect("a fit");
     assert!(found.goodness.expect("groups") < 1e-6, "{:?}", found.goodness);
-    let worst = found.groups.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio)).expect("groups");
-    assert!((worst.frequency_hz - 0.09).abs() < 0.02 && worst.ratio > 3.0, "{worst:?}");
-    assert!(found.groups.iter().all(|group| group.count >= 30.0));
 }
 
 #[test]

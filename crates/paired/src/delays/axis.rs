@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use common::DelayBand;
 use estimate::periodogram::periodogram;
-use estimate::spectral::{Transform, Transformer};
+use estimate::spectral::{Transform, weighted};
 use estimate::spectrum::{Spectrum, welch};
 use estimate::stats;
 use rayon::prelude::*;
@@ -66,7 +66,6 @@ pub struct Seen {
 
 /// One axis over some rows, its ends tapered; the reference before, where it is, and after.
 struct Tapered {
-    transformer: Transformer,
     /// Of −dB/dt, the field and what the test instrument reads beside it.
     transforms: [[Transform; 3]; 3],
     /// −dB/dt and the field where the reference is, and what the test instrument reads beside it.
@@ -81,10 +80,10 @@ struct Tapered {
 impl Tapered {
     /// The fit under noise of this density.
     fn seen(&self, density: &(dyn Fn(f64) -> f64 + Sync)) -> Result<Seen, Error> {
-        let weights = self.transformer.weights(self.step_s, density);
+        let weights = self.transforms[1][2].weights(self.step_s, density);
         let fit = |at: usize| {
             let [late, turned, left] = &self.transforms[at];
-            self.transformer.weighted(&[late, turned], left, &weights)
+            weighted(&[late, turned], left, &weights)
         };
         let (before, (here, after)) = rayon::join(|| fit(0), || rayon::join(|| fit(1), || fit(2)));
         let (before, here, after) = (before?, here?, after?);
@@ -136,13 +135,12 @@ impl<'a> OfAxis<'a> {
     /// Some rows, of which `cut` gives −dB/dt, the field and what is left at each place of the reference.
     fn tapered(&self, rows: &Range<usize>, cut: impl Fn(usize) -> [Vec<f64>; 3]) -> Tapered {
         let taper = Taper::new(rows.len());
-        let transformer = Transformer::new(rows.len());
         let mut here = <[Vec<f64>; 3]>::default();
         // One after the other, and of the series only those where the reference is are kept.
         let transforms = std::array::from_fn(|at| {
             let mut series = cut(at);
             series.iter_mut().for_each(|values| taper.taper(values));
-            let transforms = series.each_ref().map(|values| transformer.transform(values));
+            let transforms = series.each_ref().map(|values| Transform::of(values));
             if at == 1 {
                 here = series;
             }
@@ -150,7 +148,7 @@ impl<'a> OfAxis<'a> {
         });
         let [late, turned, left] = here;
         let (wider, aside_s, step_s) = (taper.wider, self.aside_s, self.step_s());
-        Tapered { transformer, transforms, columns: [late, turned], left, wider, aside_s, step_s }
+        Tapered { transforms, columns: [late, turned], left, wider, aside_s, step_s }
     }
 
     /// What is left of the offset over all rows.

@@ -107,14 +107,13 @@ pub fn solve<P: Problem>(
     let control = Control {
         most: MOST,
         tolerance: options.tolerance,
-        damping: Damping::none(FROM),
+        damping: Damping { first: 0.0, least: 0.0, from: FROM },
         raise: ROUNDING,
         idle: Some(ROUNDING),
         keep: false,
         reach: None,
     };
-    let Minimum { at, linear, steps, settled, shift, .. } =
-        minimise(&dense, dense.at(start), None, &control)?;
+    let Minimum { at, linear, steps, settled, shift } = minimise(&dense, dense.at(start), None, &control)?;
     if !settled {
         return Err(Error::NotConverged { iterations: steps.len(), last_shift: shift });
     }

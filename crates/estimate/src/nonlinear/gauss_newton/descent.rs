@@ -45,11 +45,6 @@ pub struct Damping {
 }
 
 impl Damping {
-    /// None as long as whole steps lead down.
-    pub fn none(from: f64) -> Self {
-        Self { first: 0.0, least: 0.0, from }
-    }
-
     fn heavier(&self, damping: f64) -> f64 {
         (damping * HEAVIER).max(self.from)
     }
@@ -117,9 +112,7 @@ pub struct Minimum<P, L> {
     pub at: P,
     /// The linear problem about it, or about where the step at the end began.
     pub linear: L,
-    /// The damping of the step that would come next.
-    pub damping: f64,
-    /// How far that step would move the predictions.
+    /// How far the step that would come next would move the predictions.
     pub shift: f64,
     /// The steps that led here.
     pub steps: Vec<Step>,
@@ -170,7 +163,7 @@ pub fn minimise<D: Descent>(
         let shift = linear.shift(damping);
         let out_of_reach = |reach: f64| !steps.is_empty() && cost - FURTHER * shift * shift > reach;
         if control.reach.is_some_and(out_of_reach) {
-            return Ok(Minimum { at, linear, damping, shift, steps, settled: false });
+            return Ok(Minimum { at, linear, shift, steps, settled: false });
         }
         let near = shift <= control.tolerance;
         let idle = last.idle >= IDLE && shift > SHRINKS * last.shift;
@@ -182,7 +175,7 @@ pub fn minimise<D: Descent>(
                 let end = descent.moved(&at, &linear.step(damping))?;
                 at = if descent.cost(&end) <= cost { end } else { at };
             }
-            return Ok(Minimum { at, linear, damping, shift, steps, settled });
+            return Ok(Minimum { at, linear, shift, steps, settled });
         }
         let confirm = (near || idle) && !is_new;
         let next = if confirm { None } else { down(descent, &at, &linear, &mut damping, control)? };
@@ -200,7 +193,7 @@ pub fn minimise<D: Descent>(
             }
             None if is_new => {
                 let settled = linear.shift(0.0) <= ROUNDED * control.tolerance;
-                return Ok(Minimum { at, linear, damping, shift, steps, settled });
+                return Ok(Minimum { at, linear, shift, steps, settled });
             }
             None => {
                 (linear, is_new) = (descent.linear(&at, None)?, true);

@@ -2,7 +2,6 @@
 
 use fourier::Complex;
 
-use crate::plans;
 use crate::stats::{chi_squared_quantile, median};
 
 /// A departure of which the basis leaves less than this share is not looked for.
@@ -117,19 +116,14 @@ pub fn correlate(series: &[f64], template: &[f64]) -> Vec<f64> {
         return series.iter().map(|value| value * only).collect();
     }
     let points = (series.len() + template.len()).next_power_of_two();
-    let forward = plans::forward(points);
     let spectrum = |values: &[f64]| {
-        let mut padded = forward.make_input_vec();
-        padded[..values.len()].copy_from_slice(values);
-        let mut found = forward.make_output_vec();
-        forward.process(&mut padded, &mut found).expect("buffers of the plan's lengths");
-        found
+        let mut padded = values.to_vec();
+        padded.resize(points, 0.0);
+        fourier::forward(padded)
     };
-    let mut product: Vec<Complex<f64>> =
+    let product: Vec<Complex<f64>> =
         spectrum(series).iter().zip(spectrum(template)).map(|(a, b)| a * b.conj() / points as f64).collect();
-    let inverse = plans::inverse(points);
-    let mut found = inverse.make_output_vec();
-    let _ = inverse.process(&mut product, &mut found);
+    let mut found = fourier::inverse(product, points);
     found.truncate(series.len());
     found
 }

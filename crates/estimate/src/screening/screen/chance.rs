@@ -119,7 +119,7 @@ fn quantile(values: &[f64], share: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Products;
+    use super::super::left_out;
     use super::*;
     use crate::linear;
 
@@ -135,20 +135,10 @@ mod tests {
         })
     }
 
-    fn screened(block: &Mat<f64>, pieces: usize) -> Products {
-        let mut products = Products::of(block.ncols() - 1);
-        let length = block.nrows() / pieces;
-        for piece in 0..pieces {
-            products.push(block.as_ref().subrows(piece * length, length));
-        }
-        products
-    }
-
     #[test]
     fn gains_are_those_of_least_squares() {
         let block = normals(120, 7, 1);
-        let products = screened(&block, 4);
-        let screen = Screen::of(&products).given(&[0, 1]).expect("projected");
+        let screen = Screen::of_rows(block.as_ref()).given(&[0, 1]).expect("projected");
         let gain = screen.gain(&[3, 5]).expect("a gain");
         let fit = |columns: &[usize]| {
             let design = Mat::from_fn(120, columns.len(), |i, j| block[(i, columns[j])]);
@@ -168,7 +158,8 @@ mod tests {
         assert_eq!(screen.gain(&[3, 3]).expect("a gain").rank, 1);
         assert_eq!(screen.gain(&[0]).expect("a gain").rank, 0);
 
-        let held = products.left_out(&[0, 3]).expect("fitted");
+        let blocks: Vec<Mat<f64>> = (0..4).map(|part| crate::gram(block.subrows(30 * part, 30))).collect();
+        let held = left_out(&blocks, &[0, 3]).expect("fitted");
         let training = Mat::from_fn(90, 2, |i, j| block[(i + 30, [0, 3][j])]);
         let y: Vec<f64> = (30..120).map(|i| block[(i, 6)]).collect();
         let direct = linear::fit(training.as_ref(), &y, None).expect("a fit").coefficients;
@@ -192,7 +183,7 @@ mod tests {
             let block = Mat::from_fn(rows, columns + 1, |i, j| {
                 if j < columns { design[(i, j)] } else { errors[(i, trial)] }
             });
-            let screen = Screen::of(&screened(&block, 2));
+            let screen = Screen::of_rows(block.as_ref());
             let chance = Chance::of(&screen, &searches, &draws).expect("drawn");
             let least = searches.iter().enumerate().map(|(c, search)| {
                 let gains = search.iter().map(|group| screen.gain(group).expect("a gain").gain);

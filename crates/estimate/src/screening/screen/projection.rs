@@ -3,9 +3,8 @@
 use faer::{Col, Mat, MatRef};
 use std::sync::Arc;
 
-use super::products::Products;
-use crate::Error;
 use crate::positive::eigen;
+use crate::{Error, gram};
 
 /// Directions of scaled columns with less than this share of their squared length are rounding.
 const ROUNDING: f64 = 1e-10;
@@ -64,12 +63,14 @@ pub struct Column {
 }
 
 impl Screen {
-    /// All columns, nothing projected out.
-    pub fn of(products: &Products) -> Self {
-        Self::of_products(products.columns, products.total().as_ref(), products.rows())
+    /// Of a block of rows: the columns, then the residual as the last one.
+    pub fn of_rows(block: MatRef<'_, f64>) -> Self {
+        Self::of(gram(block).as_ref(), block.nrows())
     }
 
-    fn of_products(columns: usize, total: MatRef<'_, f64>, rows: usize) -> Self {
+    /// Of the products of columns and residual over so many rows, nothing projected out.
+    pub fn of(total: MatRef<'_, f64>, rows: usize) -> Self {
+        let columns = total.ncols() - 1;
         let mut screen = Self::empty(total[(columns, columns)], rows, 0);
         for i in 0..columns {
             let left = (0..=i).map(|j| total[(i, j)]).collect();
@@ -207,19 +208,18 @@ impl Screen {
     }
 }
 
-impl Products {
-    /// For each block the coefficients of `group` fitted to all other blocks. One that the others do not
-    /// determine is zero.
-    ///
-    /// Errors: [`Error::Decomposition`] for products that are not finite.
-    pub fn left_out(&self, group: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
-        let total = self.total();
-        let without = |block| {
-            let left: Mat<f64> = &total - block;
-            Ok(Screen::of_products(self.columns, left.as_ref(), 0).gain(group)?.coefficients)
-        };
-        self.blocks.iter().map(without).collect()
-    }
+/// For the products of each block of rows the coefficients of `group` fitted to all other blocks. One that the
+/// others do not determine is zero.
+///
+/// Errors: [`Error::Decomposition`] for products that are not finite.
+pub fn left_out(blocks: &[Mat<f64>], group: &[usize]) -> Result<Vec<Vec<f64>>, Error> {
+    let width = blocks.first().map_or(0, Mat::ncols);
+    let total = blocks.iter().fold(Mat::zeros(width, width), |sum, block| sum + block);
+    let without = |block| {
+        let left: Mat<f64> = &total - block;
+        Ok(Screen::of(left.as_ref(), 0).gain(group)?.coefficients)
+    };
+    blocks.iter().map(without).collect()
 }
 
 /// Directions within a group along which something is left: D with Dᵀ (CᵀC) D = 1, one column a direction.
@@ -273,15 +273,13 @@ mod tests {
     fn a_stepwise_regression_takes_what_pays_for_its_unknowns_the_largest_first() {
         let wave =
             |k: usize, row: usize| (std::f64::consts::PI * (k as f64) * (row as f64 + 0.5) / 40.0).cos();
-        let mut products = Products::of(4);
         let sizes = [2.0, 0.0, 3.0, 1e-3];
         let rest = |row: usize| 0.1 * wave(17, row);
         let value = |row: usize, column: usize| match column {
             4 => (0..4).map(|k| sizes[k] * wave(k + 1, row)).sum::<f64>() + rest(row),
             column => wave(column + 1, row),
         };
-        products.push(Mat::from_fn(40, 5, value).as_ref());
-        let screen = Screen::of(&products);
+        let screen = Screen::of_rows(Mat::from_fn(40, 5, value).as_ref());
         let chosen =
             screen.stepwise(&[&[0], &[1], &[2], &[3]], |chosen| screen.given(chosen)).expect("finite");
         assert_eq!(chosen, [2, 0]);

@@ -2,7 +2,7 @@ use faer::Mat;
 
 use super::errors::Errors;
 use crate::Error;
-use crate::bins::bins;
+use crate::cross_spectrum::{WIDEST_BIN, bins};
 use crate::linear::dot;
 use crate::positive::Positive;
 use crate::spectral::SpectralFit;
@@ -65,7 +65,8 @@ pub fn weighted(columns: &[&[f64]], y: &[f64], errors: &Errors) -> Result<Regres
         let mut weights = vec![0.0; y.len()];
         x.iter().enumerate().for_each(|(j, x)| add(&mut weights, covariance[(i, j)], x));
         coefficients.push(dot(&weights, &whitened));
-        influence.push(bins(y.len()).map(|bin| dot(&weights[bin.clone()], &weights[bin])).collect());
+        let bins = bins(y.len(), WIDEST_BIN);
+        influence.push(bins.map(|bin| dot(&weights[bin.clone()], &weights[bin])).collect());
     }
     drop(x);
     let mut residual = y.to_vec();

@@ -3,7 +3,6 @@
 use fourier::Complex;
 
 use crate::line_search::largest;
-use crate::plans;
 
 /// Golden sections between the neighbours of a grid's frequency: to a thousandth of their distance.
 const SECTIONS: usize = 16;
@@ -56,17 +55,14 @@ pub fn strongest(
 /// |Σ y e^(2πi ν x)|² over ν = k/(points·cell), k = 0 to points/2: every y is put into the cell nearest to its x.
 pub fn power_along(x: &[f64], y: &[f64], cell: f64, points: usize) -> Vec<f64> {
     let low = x.iter().copied().fold(f64::INFINITY, f64::min);
-    let forward = plans::forward(points);
-    let mut cells = forward.make_input_vec();
+    let mut cells = vec![0.0; points];
     for (x, y) in x.iter().zip(y) {
         let at = ((x - low) / cell).round();
         if at.is_finite() {
             cells[at as usize % points] += y;
         }
     }
-    let mut found = forward.make_output_vec();
-    forward.process(&mut cells, &mut found).expect("buffers of the plan's lengths");
-    found.iter().map(Complex::norm_sqr).collect()
+    fourier::forward(cells).iter().map(Complex::norm_sqr).collect()
 }
 
 /// |Σ y e^(2πi ν x)|² at one ν.

@@ -1,9 +1,14 @@
 //! Values with their standard uncertainties.
 
+use crate::Error;
+use crate::scoring::{Likelihood, Optimum, fall_without, upper};
 use crate::stats::coverage_factor;
 
+/// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not being
+/// negative.
+const WHITE: f64 = 5.412;
 /// The standard normal distribution is below this with a probability of 95 %.
-pub(super) const ONE_SIDED_95: f64 = 1.644_854;
+const ONE_SIDED_95: f64 = 1.644_854;
 
 /// A value with its standard uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +23,18 @@ impl Estimate {
     /// None was seen, below a one-sided 95 % bound.
     pub(crate) fn below(bound: f64) -> Self {
         Estimate { value: 0.0, std: bound / ONE_SIDED_95 }
+    }
+
+    /// A white variance θ_i at a maximum, with `held` held, where it is significant (1 %); else its bound.
+    pub(crate) fn or_below(
+        self,
+        likelihood: &impl Likelihood,
+        found: &Optimum,
+        i: usize,
+        held: &[usize],
+    ) -> Result<Self, Error> {
+        let seen = fall_without(likelihood, found, i, held)? > WHITE;
+        if seen { Ok(self) } else { Ok(Self::below(upper(likelihood, found, i, held)?)) }
     }
 
     /// The square root: √v with the uncertainty u/(2 √v), or the root of the bound.

@@ -3,14 +3,13 @@
 use faer::Mat;
 
 use super::estimate::Estimate;
-use super::goodness::{Group, groups, p_value};
 use super::likelihood::{EXPONENTS, Model, White};
 use crate::Error;
-use crate::scoring::{Likelihood, Optimum, fall_without, inverse, minimise, upper};
+use crate::scoring::{Likelihood, Optimum, inverse, minimise, upper};
+use crate::stats::chi_squared_p;
 
-/// Twice the gain in log likelihood that white noise has to bring: 1 % of half a χ²(1), the variance not
-/// being negative.
-const WHITE: f64 = 5.412;
+/// Fewest ordinates of a group that is held against the model.
+const LEAST_ORDINATES: f64 = 30.0;
 
 /// Noise of a channel: P(f) = A f^-α + 2 σ² Δt (one-sided, unit²/Hz).
 #[derive(Clone, Debug)]
@@ -34,12 +33,9 @@ pub struct WhittleFit {
     /// Covariance of (ln A, α, white variances): the inverse of the Fisher information of the likelihood.
     /// Zero for A and α where flicker is not significant.
     pub covariance: Mat<f64>,
-    /// −Σ count (ln P + I/P).
-    pub log_likelihood: f64,
-    /// Groups of at least 30 ordinates against the model; a shorter series is one group.
-    pub groups: Vec<Group>,
-    /// Probability that ordinates of the model are as far from it as these, by the sum of squares over the
-    /// groups; None if there are no more groups than unknowns.
+    /// Probability that ordinates of the model are as far from it as these, by the sum of squares over groups
+    /// of at least 30 ordinates (a shorter series is one group); None if there are no more groups than
+    /// unknowns.
     pub goodness: Option<f64>,
 }
 
@@ -138,12 +134,8 @@ pub(super) fn report(model: &Model, found: &Optimum) -> Result<WhittleFit, Error
     let white_variances: Vec<f64> = theta[2..].to_vec();
     let mut whites = Vec::new();
     for (group, variance) in white_variances.iter().enumerate() {
-        let gain = if flicker { fall_without(model, found, 2 + group, &[])? } else { f64::INFINITY };
-        whites.push(if gain > WHITE {
-            Estimate { value: *variance, std: covariance[(2 + group, 2 + group)].sqrt() }
-        } else {
-            Estimate::below(upper(model, found, 2 + group, &[])?)
-        });
+        let seen = Estimate { value: *variance, std: covariance[(2 + group, 2 + group)].sqrt() };
+        whites.push(if flicker { seen.or_below(model, found, 2 + group, &[])? } else { seen });
     }
     let of_series = |series: usize| {
         let variance = whites[model.group(series)];
@@ -151,7 +143,6 @@ pub(super) fn report(model: &Model, found: &Optimum) -> Result<WhittleFit, Error
         let factor = model.shape(series) / (2.0 * data.step_s[series]);
         Estimate { value: factor * variance.value, std: factor * variance.std }.root()
     };
-    let groups = groups(model, theta);
     let unknowns = if flicker { theta.len() } else { theta.len() - 2 };
     Ok(WhittleFit {
         amplitude,
@@ -161,10 +152,51 @@ pub(super) fn report(model: &Model, found: &Optimum) -> Result<WhittleFit, Error
         white_rms: (0..data.series()).map(of_series).collect(),
         white_variances,
         covariance,
-        log_likelihood: -found.cost - data.saturated(),
-        goodness: p_value(&groups, unknowns),
-        groups,
+        goodness: goodness(model, theta, unknowns),
     })
+}
+
+/// Neighbouring ordinates of a series: the mean of I/P, and their number.
+struct Group {
+    series: usize,
+    ratio: f64,
+    count: f64,
+}
+
+/// Neighbours of one series together as long as `few` says so of the last group and of what comes next.
+fn joined(parts: impl Iterator<Item = Group>, few: impl Fn(&Group, &Group) -> bool) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    for next in parts {
+        match groups.last_mut().filter(|last| last.series == next.series && few(last, &next)) {
+            Some(last) => {
+                let count = last.count + next.count;
+                last.ratio = (last.ratio * last.count + next.ratio * next.count) / count;
+                last.count = count;
+            }
+            None => groups.push(next),
+        }
+    }
+    groups
+}
+
+/// The ratio I/P of m ordinates as a standard normal variable: m I/P has the gamma distribution of shape m, and
+/// 3 √m ((I/P)^(1/3) − 1 + 1/(9 m)) is normal to a part in a thousand. The probability of a greater Σ of their
+/// squares, `unknowns` of them fitted; None with no more groups than that.
+///
+/// Source: E. B. Wilson and M. M. Hilferty, The distribution of chi-square, Proc. Natl. Acad. Sci. 17 (1931)
+/// 684–688.
+fn goodness(model: &Model, theta: &[f64], unknowns: usize) -> Option<f64> {
+    let ordinates = model.parts(theta).map(|(bin, flicker, white)| Group {
+        series: bin.series,
+        ratio: bin.density / (flicker + white),
+        count: bin.count,
+    });
+    let groups = joined(ordinates, |last, _| last.count < LEAST_ORDINATES);
+    // What is left over at the end of a series goes to the group before.
+    let groups = joined(groups.into_iter(), |_, next| next.count < LEAST_ORDINATES);
+    let freedom = groups.len().checked_sub(unknowns).filter(|freedom| *freedom > 0)?;
+    let normal = |of: &Group| 3.0 * of.count.sqrt() * (of.ratio.cbrt() - 1.0 + 1.0 / (9.0 * of.count));
+    Some(chi_squared_p(groups.iter().map(|group| normal(group).powi(2)).sum(), freedom as f64))
 }
 
 #[cfg(test)]
