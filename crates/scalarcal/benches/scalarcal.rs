@@ -6,7 +6,13 @@
 //! fit is told with and without starting Python and reading the file (FLUXCAL_PYTHON names another
 //! interpreter than python3).
 
-use serde_json::{Value, json};
+#[path = "../tests/it/build.rs"]
+#[expect(dead_code, reason = "the tests use more of it")]
+mod build;
+
+use build::{Campaign, declared};
+use common::{Columns, to_text};
+use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
@@ -27,43 +33,20 @@ fn main() {
 }
 
 /// The rows, and documents beside them.
-fn write(folder: &Path, count: usize) {
+fn write(folder: &Path, rows: usize) {
+    let mut document = Campaign { rows, ..Campaign::default() }.document(5);
+    let recording = &mut document.recordings[0];
+    let columns = NAMES.map(|name| recording.column(name).expect("a column"));
     let mut writer = Writer::create(&folder.join("rows.parquet"), &NAMES).expect("created");
-    let mut stream = noise::Stream::new(5, "rows");
-    let (xy, across) = (0.0087, -0.0052);
-    let axes = [
-        [1.0, 0.0, 0.0],
-        [xy, f64::sqrt(1.0 - xy * xy), 0.0],
-        [0.0, across, f64::sqrt(1.0 - across * across)],
-    ];
-    let (sensitivity, offset) = ([6412.8, 6380.8, 6406.4], [12.0, -8.0, 4.0]);
-    for first in (0..count).step_by(BATCH_ROWS) {
-        let mut columns = vec![Vec::with_capacity(BATCH_ROWS); NAMES.len()];
-        for row in first..count.min(first + BATCH_ROWS) {
-            let magnitude = 48_000.0 * (1.0 + 0.05 * (44.0 * row as f64 / count as f64).sin());
-            let field = [(); 3].map(|()| stream.normal());
-            let length = field.iter().map(|value| value * value).sum::<f64>().sqrt();
-            columns[0].push(row as f64);
-            for axis in 0..3 {
-                let along: f64 = (0..3).map(|k| axes[axis][k] * field[k] / length * magnitude).sum();
-                columns[1 + axis].push((along + 0.5 * stream.normal() - offset[axis]) / sensitivity[axis]);
-            }
-            columns[4].push(magnitude + 0.1 * stream.normal());
-        }
-        writer.write(&columns).expect("written");
+    for from in (0..rows).step_by(BATCH_ROWS) {
+        let to = rows.min(from + BATCH_ROWS);
+        writer.write(&columns.map(|column| column[from..to].to_vec())).expect("written");
     }
     writer.finish().expect("finished");
-    for (name, noise) in [("white", json!({"white_rms_nt": 0.5})), ("open", Value::Null)] {
-        let mut document = json!({
-            "fluxcal": 1,
-            "facility": {"reference_std_nt": 0.1},
-            "instrument": {"nominal_sensitivity_nt_per_v": 6400.0},
-            "recordings": [{"id": "turned", "procedure": "free_run", "table": "rows.parquet"}],
-        });
-        if !noise.is_null() {
-            document["instrument"]["noise"] = noise;
-        }
-        fs::write(folder.join(format!("{name}.json")), document.to_string()).expect("written");
+    recording.columns = Columns::new();
+    recording.table = Some("rows.parquet".into());
+    for (name, document) in [("open", document.clone()), ("white", declared(document, 0.5))] {
+        fs::write(folder.join(format!("{name}.json")), to_text(&document)).expect("written");
     }
 }
 

@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 use std::ops::Range;
 
-use crate::factor::{BLOCK, Factor};
 use crate::model::{Model, State};
 use crate::read::Series;
-use crate::terms::{ONE, Terms};
+use crate::terms::{BLOCK, Factor, ONE, Terms};
 
 /// Rows that one thread takes at a time; a whole number of blocks, so that the factors do not depend on the
 /// threads.
@@ -24,8 +23,6 @@ pub struct Scales {
 pub struct Rows<'a> {
     pub series: &'a [Series],
     pub scales: Scales,
-    /// For each recording the columns that effects follow, nT.
-    pub follows: &'a [Vec<Vec<f64>>],
     /// For each recording the weights of its rows; none: all count alike.
     pub weights: Option<Vec<Vec<f64>>>,
     /// Recordings and their rows that are taken.
@@ -33,13 +30,13 @@ pub struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    pub fn new(series: &'a [Series], scales: Scales, follows: &'a [Vec<Vec<f64>>]) -> Self {
+    pub fn new(series: &'a [Series], scales: Scales) -> Self {
         let pieces = series.iter().enumerate().map(|(number, one)| (number, 0..one.len())).collect();
-        Self { series, scales, follows, weights: None, pieces }
+        Self { series, scales, weights: None, pieces }
     }
 
     pub fn part(&self, number: usize, rows: Range<usize>) -> Self {
-        Self { pieces: vec![(number, rows)], ..Self::new(self.series, self.scales, self.follows) }
+        Self { pieces: vec![(number, rows)], ..Self::new(self.series, self.scales) }
     }
 
     /// The columns z of a row, with F behind them.
@@ -50,16 +47,15 @@ impl<'a> Rows<'a> {
             z[axis] = sensitivity[axis] * series.readings[axis][row] / magnitude_nt;
         }
         z[ONE] = 1.0;
-        let follows = &self.follows[number];
-        for (place, column) in follows.iter().enumerate() {
+        for (place, column) in series.follows.iter().enumerate() {
             z[ONE + 1 + place] = column[row] / magnitude_nt;
         }
-        z[ONE + 1 + follows.len()] = series.magnitude_nt[row] / magnitude_nt;
+        z[ONE + 1 + series.follows.len()] = series.magnitude_nt[row] / magnitude_nt;
     }
 
     /// The same as a list.
     pub fn z(&self, number: usize, row: usize) -> Vec<f64> {
-        let mut z = vec![0.0; ONE + 2 + self.follows[number].len()];
+        let mut z = vec![0.0; ONE + 2 + self.series[number].follows.len()];
         self.fill(number, row, &mut z);
         z
     }
@@ -86,13 +82,17 @@ impl<'a> Rows<'a> {
         rows.map(each).collect()
     }
 
-    pub fn factor(&self, terms: &Terms) -> Factor {
-        let chunks = |(number, rows): &(usize, Range<usize>)| {
-            let (number, end) = (*number, rows.end);
-            let of = move |from: usize| (number, from..(from + CHUNK).min(end));
-            rows.clone().step_by(CHUNK).map(of).collect::<Vec<_>>()
+    /// Something of every so many rows, recording by recording.
+    pub fn each<T: Send>(&self, size: usize, of: impl Fn(usize, Range<usize>) -> T + Sync) -> Vec<Vec<T>> {
+        let of_piece = |(number, rows): &(usize, Range<usize>)| {
+            let starts: Vec<usize> = rows.clone().step_by(size).collect();
+            starts.into_par_iter().map(|from| of(*number, from..(from + size).min(rows.end))).collect()
         };
-        let of = |(number, rows): (usize, Range<usize>)| {
+        self.pieces.par_iter().map(of_piece).collect()
+    }
+
+    pub fn factor(&self, terms: &Terms) -> Factor {
+        let of = |number: usize, rows: Range<usize>| {
             let mut factor = Factor::new(terms.count());
             self.map(terms, number, rows, |row, _, products| {
                 let weight = self.weights.as_ref().map_or(1.0, |weights| weights[number][row].sqrt());
@@ -100,9 +100,7 @@ impl<'a> Rows<'a> {
             });
             factor.finish()
         };
-        let chunks: Vec<(usize, Range<usize>)> = self.pieces.iter().flat_map(chunks).collect();
-        let parts: Vec<Factor> = chunks.into_par_iter().map(of).collect();
-        Factor::joined(terms.count(), &parts)
+        Factor::joined(terms.count(), self.each(CHUNK, of).iter().flatten())
     }
 
     /// |B| less the reference in each row of each recording, nT: (|B|² − (F − β)²)/2F.

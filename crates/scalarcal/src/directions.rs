@@ -48,7 +48,6 @@ pub fn directions_by(model: &Model, state: &State, mu: &Matrix3<f64>) -> Vec<Opt
 }
 
 /// For each sensor the axis of the stated ones that it is nearest to, and the sign.
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axes([(usize, f64); 3]);
 
 /// The axes nearest to directions that were found, each taken once: the assignment with the largest sum of

@@ -20,10 +20,8 @@ const SAME: f64 = 1e-9;
 
 /// The effects that are fitted: one instance for each sensor or housekeeping column.
 ///
-/// # Errors
-///
-/// An effect with a time constant, a level or a moment, or one that does not act on the sensors; no column
-/// for it to follow.
+/// Errors: an effect with a time constant, a level or a moment, or one that does not act on the sensors; no
+/// column for it to follow.
 pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstance>, Error> {
     let mut all = Vec::new();
     for kind in &options.with {
@@ -68,31 +66,15 @@ fn columns(document: &Document, kind: Kind) -> Vec<String> {
     names
 }
 
-/// Parameters of effects, and for each recording the columns that they follow, nT.
-pub struct Following {
-    pub parameters: Vec<Parameter>,
-    /// What one unit of the state is in the unit of the parameter.
-    pub units: Vec<f64>,
-    /// Columns, each with an rms of the typical magnitude.
-    pub columns: Vec<Vec<Vec<f64>>>,
-}
-
-impl Following {
-    /// No effects, in so many recordings.
-    pub fn nothing(recordings: usize) -> Self {
-        Self { parameters: Vec::new(), units: Vec::new(), columns: vec![Vec::new(); recordings] }
-    }
-}
-
-/// What effects add, by how the chain's readings move with their parameters where the field is what the
-/// sensors read by `basic`.
+/// The parameters of effects; the series get the columns that they follow, by how the chain's readings move
+/// with the parameters where the field is what the sensors read by `basic`.
 pub fn following(
     document: &Document,
-    series: &[Series],
+    series: &mut [Series],
     scales: &Scales,
     basic: &Basic,
     effects: &[EffectInstance],
-) -> Result<Following, Error> {
+) -> Result<Vec<Parameter>, Error> {
     let numbers: Vec<[usize; 2]> = effects
         .iter()
         .enumerate()
@@ -102,7 +84,7 @@ pub fn following(
         numbers.iter().map(|[effect, parameter]| Derivative::Effect(*effect, *parameter)).collect();
     // contributions[recording][parameter][sensor][row], nT for one unit of the parameter.
     let mut contributions: Vec<Vec<[Vec<f64>; 3]>> = Vec::new();
-    for one in series {
+    for one in series.iter() {
         let setting = setting(document, one, basic)?;
         let refused = |error: physics::Error| error.at(&one.path());
         let (_, moved) = predict_with_jacobian(&setting.basic, effects, &setting.context, &derivatives)
@@ -115,7 +97,7 @@ pub fn following(
         };
         contributions.push(moved.iter().map(|prediction| of(&prediction.readings)).collect());
     }
-    let mut found = Following::nothing(series.len());
+    let mut parameters = Vec::new();
     let rows: f64 = series.iter().map(|one| one.len() as f64).sum();
     for (place, number) in numbers.iter().enumerate() {
         let rms: [f64; 3] = std::array::from_fn(|axis| {
@@ -142,33 +124,32 @@ pub fn following(
                 .iter()
                 .map(|one| one[place][axis].iter().map(|value| value * to_rms).collect())
                 .collect();
-            let (number, sign) = shared(&mut found.columns, column, scales.magnitude_nt);
+            let (number, sign) = shared(series, column, scales.magnitude_nt);
             Some((ONE + 1 + number, sign * rms[axis] / largest))
         });
         let one = &effects[number[0]];
         let of = one.axis.map(|axis| format!(" of {axis}")).unwrap_or_default();
         let column = one.column.as_ref().map(|column| format!(" ({column})")).unwrap_or_default();
         let name = format!("{}.{}{of}{column}", one.kind.name(), one.kind.parameters()[number[1]].name);
-        found.parameters.push(Parameter::Effect { number: *number, follows, name });
-        found.units.push(unit);
+        parameters.push(Parameter::Effect { number: *number, unit, follows, name });
     }
-    Ok(found)
+    Ok(parameters)
 }
 
 /// The number of a column among those that are there already, and its sign; a new one is added.
-fn shared(columns: &mut [Vec<Vec<f64>>], column: Vec<Vec<f64>>, size: f64) -> (usize, f64) {
-    let count = columns[0].len();
+fn shared(series: &mut [Series], column: Vec<Vec<f64>>, size: f64) -> (usize, f64) {
+    let count = series[0].follows.len();
     for number in 0..count {
         for sign in [1.0, -1.0] {
-            let same = columns.iter().zip(&column).all(|(have, new)| {
-                have[number].iter().zip(new).all(|(a, b)| (a - sign * b).abs() <= SAME * size)
+            let same = series.iter().zip(&column).all(|(have, new)| {
+                have.follows[number].iter().zip(new).all(|(a, b)| (a - sign * b).abs() <= SAME * size)
             });
             if same {
                 return (number, sign);
             }
         }
     }
-    columns.iter_mut().zip(column).for_each(|(all, new)| all.push(new));
+    series.iter_mut().zip(column).for_each(|(one, new)| one.follows.push(new));
     (count, 1.0)
 }
 

@@ -4,10 +4,10 @@ use estimate::{Options, Svd, solve};
 use faer::{ColRef, Mat, RowRef, Scale, Side};
 
 use crate::Error;
-use crate::factor::Factor;
+use crate::given::Given;
 use crate::linear::{Linear, RANK_TOLERANCE};
 use crate::model::{Model, Problem, State};
-use crate::terms::{ONE, added_by_noise};
+use crate::terms::{Factor, ONE, added_by_noise};
 
 /// Rounds in which the noise that is taken off, the size of the residuals and the parameters settle.
 const ROUNDS: usize = 4;
@@ -19,20 +19,8 @@ const ABSENT: f64 = 1e-14;
 /// be found.
 const FINEST: f64 = 1e-9;
 
-/// The rows, and how they err. Variances are over the square of the typical magnitude; of what is found, over
-/// that times [`Model::scale`].
-pub struct Sums<'a> {
-    /// Products of the rows as they are.
-    pub plain: &'a Factor,
-    /// Variance of the noise along a sensor; None: as the residuals scatter, less that of the reference.
-    pub sensor: Option<f64>,
-    /// The same of the reference.
-    pub reference: f64,
-    /// What is held because no reading shows it.
-    pub held: &'a Linear,
-}
-
-/// A calibration with its covariance.
+/// A calibration with its covariance. Variances are over the square of the typical magnitude times
+/// [`Model::scale`].
 #[derive(Clone, Debug)]
 pub struct FittedState {
     pub state: State,
@@ -52,22 +40,50 @@ pub struct FittedState {
     pub freedom: f64,
 }
 
-/// Fits from the best of the starts. The least squares of the products as they were read are biased by the
-/// noise in them, which [`added_by_noise`] gives and [`without`] takes off.
+/// Fits products of rows from the best of the starts. Of noise that is not declared the sensors have what the
+/// residuals scatter, less that of the reference. The least squares of the products as they were read are
+/// biased by the noise in them, which [`added_by_noise`] gives and [`without`] takes off. `held` is what no
+/// reading shows, `known` that with what is known beforehand.
 ///
-/// # Errors
-///
-/// [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] where there is no minimum.
-pub fn fit(model: &Model, sums: &Sums<'_>, known: &Linear, starts: &[State]) -> Result<FittedState, Error> {
-    let count = model.parameters.len();
-    let freedom = sums.plain.rows as f64 - count as f64;
+/// Errors: [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] where there is no
+/// minimum.
+pub fn fit(
+    given: &Given,
+    model: &Model,
+    plain: &Factor,
+    (held, known): (&Linear, &Linear),
+    starts: &[State],
+) -> Result<FittedState, Error> {
+    let (rows, count) = (plain.rows, model.parameters.len());
+    let freedom = rows as f64 - count as f64;
     if freedom < 1.0 {
-        let rows = sums.plain.rows;
         return Err(Error::Unanswerable(format!(
             "{rows} complete rows for {count} parameters; expected more rows than parameters"
         )));
     }
-    let upper = sums.plain.upper();
+    let upper = plain.upper();
+    // Least squares that begin at a state, with residuals of a variance and with the scale of that state.
+    let round = |start: &State, variance: f64| -> Result<FittedState, Error> {
+        let variance = variance.max(FINEST * FINEST);
+        let declared = given.sensor.map(|sensor| sensor / model.scale(start).powi(2));
+        let sensor = declared.unwrap_or((variance - given.reference).max(0.0));
+        let added = added(model, start, (sensor, given.reference), plain);
+        let adjusted = without(&upper, added) * Scale(1.0 / variance.sqrt());
+        let problem = Problem { model, upper: &adjusted, known };
+        let fit = solve(&problem, start.clone(), None, &Options::default())?;
+        let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + held.right.len()).to_owned();
+        let variance = self::variance(model, &upper, &fit.state, freedom).max(FINEST * FINEST);
+        Ok(FittedState {
+            covariance: fit.svd.covariance(),
+            state: fit.state,
+            seen: Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?,
+            jacobian,
+            variance,
+            sensor,
+            reference: given.reference,
+            freedom,
+        })
+    };
     // The residuals of a start may be no noise at all: of offsets that are known loosely they are far larger.
     // Where no minimum is found so, they are taken to be as linear least squares leaves them.
     let begin = |explains: bool| -> Result<FittedState, Error> {
@@ -78,7 +94,7 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Linear, starts: &[State]) -> 
                 Some((_, squares)) if explains => squares / freedom,
                 _ => variance(model, &upper, start, freedom),
             };
-            match round(model, sums, known, &upper, (start, left)) {
+            match round(start, left) {
                 Ok(found) if best.as_ref().is_none_or(|best| scatter(&found) < scatter(best)) => {
                     best = Some(found)
                 }
@@ -88,7 +104,7 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Linear, starts: &[State]) -> 
         }
         let mut found = best.ok_or(failed)?;
         for _ in 1..ROUNDS {
-            found = round(model, sums, known, &upper, (&found.state, found.variance))?;
+            found = round(&found.state, found.variance)?;
         }
         Ok(found)
     };
@@ -99,38 +115,6 @@ pub fn fit(model: &Model, sums: &Sums<'_>, known: &Linear, starts: &[State]) -> 
 /// as a constant field, would leave no residual.
 fn scatter(found: &FittedState) -> f64 {
     found.variance / found.state[..3].iter().product::<f64>().abs().powf(2.0 / 3.0)
-}
-
-/// Least squares that begin at a state, with residuals of a variance and with the scale of that state.
-fn round(
-    model: &Model,
-    sums: &Sums<'_>,
-    known: &Linear,
-    upper: &Mat<f64>,
-    (start, variance): (&State, f64),
-) -> Result<FittedState, Error> {
-    let freedom = sums.plain.rows as f64 - model.parameters.len() as f64;
-    let variance = variance.max(FINEST * FINEST);
-    let declared = sums.sensor.map(|sensor| sensor / model.scale(start).powi(2));
-    let sensor = declared.unwrap_or((variance - sums.reference).max(0.0));
-    let added = added(model, start, (sensor, sums.reference), sums.plain);
-    let adjusted = without(upper, added) * Scale(1.0 / variance.sqrt());
-    let problem = Problem { model, upper: &adjusted, known: &sums.held.and(known) };
-    let options = Options { rank_tolerance: RANK_TOLERANCE, ..Options::default() };
-    let fit = solve(&problem, start.clone(), None, &options)?;
-    let jacobian = fit.jacobian.subrows(0, adjusted.nrows() + sums.held.right.len()).to_owned();
-    let seen = Svd::of(jacobian.as_ref(), RANK_TOLERANCE)?;
-    let variance = self::variance(model, upper, &fit.state, freedom).max(FINEST * FINEST);
-    Ok(FittedState {
-        covariance: fit.svd.covariance(),
-        state: fit.state,
-        jacobian,
-        seen,
-        variance,
-        sensor,
-        reference: sums.reference,
-        freedom,
-    })
 }
 
 /// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products

@@ -1,27 +1,94 @@
-//! Recordings in which the field is known with its direction.
+//! Recordings in which the field is known with its direction, and the rows of their moments.
 
 use common::Document;
 use estimate::Svd;
 use faer::ColRef;
 use nalgebra::{Matrix3, Vector3};
 use physics::{Context, References};
-use rayon::prelude::*;
 use std::ops::Range;
 
 use crate::Error;
 use crate::design::Rows;
-use crate::directions::unmixed;
-use crate::factor::{Factor, compressed};
+use crate::directions::{directions_by, unmixed};
 use crate::linear::RANK_TOLERANCE;
-use crate::model::{Model, State, own};
-use crate::moment::{About, Moment, Spread};
+use crate::model::{Model, Parameter, State, own};
 use crate::noise::{Group, Groups};
 use crate::read::{Series, Source};
+use crate::terms::Factor;
 
+/// The attitude is the inverse one where that leaves less than this share of the residual.
+const INVERSE: f64 = 0.1;
 /// Rows that are filtered one by one; of longer recordings groups of rows are.
 const FILTERED: usize = 8192;
 /// Rows that one thread takes at a time.
 const CHUNK: usize = 4096;
+
+/// A moment: what the sensors read, and the field that is known.
+pub struct Moment {
+    pub own: [f64; 3],
+    pub z: Vec<f64>,
+    /// In SEN, over the typical magnitude.
+    pub field: Vector3<f64>,
+    pub rotation: Matrix3<f64>,
+}
+
+/// How much rows err: variances over the square of the typical magnitude.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    pub along: f64,
+    pub across: f64,
+    /// What the attitude adds across it, by the square of the field.
+    pub attitude: f64,
+    pub moments: usize,
+}
+
+/// What makes rows of a moment about a state with its directions, by the share of the field in the noise:
+/// along the field, which is left out beside a scalar magnetometer, and twice across it. A row has what is to
+/// be explained, its derivatives, and what it reads of the noise of the field in GEO. The derivatives are
+/// taken at the most likely field and reading: at what was read, they would be correlated with the residual.
+pub fn rows_about<'s>(
+    model: &'s Model,
+    state: &'s State,
+    mu: &'s Matrix3<f64>,
+    (share, scalar): (f64, bool),
+    spread: Spread,
+) -> impl Fn(&Moment) -> Vec<Vec<f64>> + Sync + 's {
+    let (inverse, by) = (unmixed(mu), directions_by(model, state, mu));
+    move |moment| {
+        let field = &moment.field;
+        let off = Vector3::from(moment.own) - mu.transpose() * field;
+        let likely = field + share * (inverse * off);
+        let own = Vector3::from(moment.own) - (1.0 - share) * off;
+        let derivative = |(j, parameter): (usize, &Parameter)| -> Vector3<f64> {
+            match parameter {
+                Parameter::Sensitivity(axis) => {
+                    let read = moment.z[*axis] + (own[*axis] - moment.own[*axis]) / state[*axis];
+                    Vector3::ith(*axis, read)
+                }
+                Parameter::Offset(axis) => Vector3::ith(*axis, 1.0),
+                Parameter::Effect { follows, .. } => Vector3::from_fn(|axis, _| {
+                    follows[axis].map_or(0.0, |(column, factor)| -factor * moment.z[column])
+                }),
+                _ => by[j].map_or_else(Vector3::zeros, |by| -(by.transpose() * likely)),
+            }
+        };
+        let derivatives: Vec<Vector3<f64>> = model.parameters.iter().enumerate().map(derivative).collect();
+        let unit = field.normalize();
+        let first = unit.cross(&Vector3::ith(unit.iamin(), 1.0)).normalize();
+        let attitude = spread.attitude * field.norm_squared();
+        let across = (spread.along / (spread.along + attitude)).sqrt();
+        let all = [(unit, 1.0), (first, across), (unit.cross(&first), across)];
+        let of = |(direction, weight): (Vector3<f64>, f64)| {
+            let along = weight * (inverse.transpose() * direction);
+            let geo = weight * (moment.rotation.transpose() * direction);
+            std::iter::once(-along.dot(&off))
+                .chain(derivatives.iter().map(|by| along.dot(by)))
+                .chain(geo.iter().copied())
+                .collect()
+        };
+        all.into_iter().skip(usize::from(scalar)).map(of).collect()
+    }
+}
 
 /// The known field of each recording.
 pub struct Vectors<'a> {
@@ -31,16 +98,6 @@ pub struct Vectors<'a> {
     pub scalar: bool,
     /// Share of the noise of a residual that is the field's, not the sensors'.
     pub share: f64,
-}
-
-/// Where the iteration begins.
-pub struct Start {
-    /// The directions by linear least squares.
-    pub mu: Matrix3<f64>,
-    /// Rms of their residuals.
-    pub rms: f64,
-    /// That of the residuals with the inverse attitude.
-    pub inverse_rms: f64,
 }
 
 impl<'a> Vectors<'a> {
@@ -86,10 +143,11 @@ impl<'a> Vectors<'a> {
         Some(Moment { own, z, field, rotation })
     }
 
-    /// Each sensor by linear least squares on the field: V = a·B + c, a along the sensor.
-    pub fn start(&self, model: &Model) -> Result<Start, Error> {
+    /// The directions by linear least squares of each sensor on the field, V = a·B + c, a along the sensor;
+    /// and whether the inverse of the attitude explains the readings far better.
+    pub fn start(&self, model: &Model) -> Result<(Matrix3<f64>, bool), Error> {
         let nominal = model.nominal();
-        let of = |inverse: bool| {
+        let fitted = |inverse: bool| -> Result<(Matrix3<f64>, f64), Error> {
             let mut factor = Factor::new(7);
             let rows = self.rows.places();
             let moments = rows.filter_map(|(number, row)| self.moment(model, &nominal, number, row));
@@ -98,10 +156,7 @@ impl<'a> Vectors<'a> {
                 let field = if inverse { turn * turn * field } else { field };
                 factor.row([field.x, field.y, field.z, 1.0, z[0], z[1], z[2]]);
             }
-            factor.finish()
-        };
-        let fitted = |inverse: bool| -> Result<(Matrix3<f64>, f64), Error> {
-            let factor = of(inverse);
+            factor.settle();
             let upper = factor.upper();
             let svd = Svd::of(upper.subcols(0, 4), RANK_TOLERANCE)?;
             let mut mu = Matrix3::zeros();
@@ -123,8 +178,8 @@ impl<'a> Vectors<'a> {
             Ok((mu, (squares / factor.rows as f64).sqrt()))
         };
         let (mu, rms) = fitted(false)?;
-        let inverse_rms = fitted(true).map_or(f64::INFINITY, |(_, rms)| rms);
-        Ok(Start { mu, rms, inverse_rms })
+        let inverse = fitted(true).is_ok_and(|(_, inverse)| inverse < INVERSE * rms);
+        Ok((mu, inverse))
     }
 
     /// How the residuals scatter along the field and across it.
@@ -139,7 +194,7 @@ impl<'a> Vectors<'a> {
         let add = |sums: [f64; 4], more: [f64; 4]| std::array::from_fn(|k| sums[k] + more[k]);
         let of_chunk =
             |number: usize, rows: Range<usize>| rows.filter_map(|row| of(number, row)).fold([0.0; 4], add);
-        let all = self.each(CHUNK, of_chunk).into_iter().flatten().fold([0.0; 4], add);
+        let all = self.rows.each(CHUNK, of_chunk).into_iter().flatten().fold([0.0; 4], add);
         let [moments, along, across, squares] = all;
         let count = moments.max(1.0);
         let [along, across, square] =
@@ -147,34 +202,60 @@ impl<'a> Vectors<'a> {
         Spread { along, across, attitude: ((across - along) / square).max(0.0), moments: moments as usize }
     }
 
-    /// Something of each so many rows of each recording.
-    fn each<T: Send>(&self, rows: usize, of: impl Fn(usize, Range<usize>) -> T + Sync) -> Vec<Vec<T>> {
-        let of_recording = |(number, series): (usize, &Series)| {
-            let starts: Vec<usize> = (0..series.len()).step_by(rows).collect();
-            starts.into_par_iter().map(|from| of(number, from..(from + rows).min(series.len()))).collect()
-        };
-        self.rows.series.iter().enumerate().map(of_recording).collect()
-    }
-
     /// The rows about a state, as those of the magnitude: residual, derivatives, and what a row reads of the
     /// noise of the field in GEO.
     pub fn groups(&self, model: &Model, state: &State, mu: &Matrix3<f64>, spread: Spread) -> Groups {
         let count = model.parameters.len();
-        let about = About::new(model, state, mu, (self.share, self.scalar), spread);
+        let rows_of = rows_about(model, state, mu, (self.share, self.scalar), spread);
         let total: usize = self.rows.series.iter().map(Series::len).sum();
         let width = count + 4;
         let each = if total * 3 <= FILTERED { 1 } else { (total * width).div_ceil(FILTERED) };
         let of = |number: usize, rows: Range<usize>| -> (usize, Group) {
-            let (from, last) = (rows.start, rows.end - 1);
-            let moments = rows.filter_map(|row| self.moment(model, state, number, row));
-            let all: Vec<Vec<f64>> = moments.flat_map(|moment| about.rows(&moment)).collect();
-            let time = self.rows.series[number].time_s.as_deref();
-            let time_s = time.map_or(0.0, |time| 0.5 * (time[from] + time[last]));
-            (all.len(), Group::at(time_s, compressed(all, width)))
+            let moments = rows.clone().filter_map(|row| self.moment(model, state, number, row));
+            let all: Vec<Vec<f64>> = moments.flat_map(|moment| rows_of(&moment)).collect();
+            (all.len(), Group::of(&self.rows.series[number], rows, all, width))
         };
-        let groups = self.each(each, of);
+        let groups = self.rows.each(each, of);
         let read: usize = groups.iter().flatten().map(|(count, _)| count).sum();
         let recordings = groups.into_iter().map(|all| all.into_iter().map(|(_, group)| group).collect());
         Groups::of_rows(recordings.collect(), count + 1, read as f64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::directions::{frame, turned};
+    use crate::terms::ONE;
+
+    #[test]
+    fn rows_move_as_their_derivatives_say() {
+        let effect = Parameter::Effect {
+            number: [0, 0],
+            unit: 1.0,
+            follows: [Some((4, 1.0)), None, Some((4, 0.7))],
+            name: String::new(),
+        };
+        let turns = (0..3).map(Parameter::Turn);
+        let model = Model::new(ONE + 2, std::iter::once(effect).chain(turns));
+        let state = vec![1.1, 0.9, 1.02, 0.01, -0.02, 0.03, 0.05, -0.04, 0.02, 0.3, 0.0, 0.0, 0.0];
+        let mu = frame(&state, &Matrix3::new(0.0, 1.0, 0.1, -1.0, 0.0, 0.0, 0.0, 0.1, 1.0));
+        let z = vec![0.4, -0.3, 0.8, 1.0, 0.2, 0.97];
+        // A field that explains the readings: where it does not, the weights move as well.
+        let along = Vector3::from(own(&model.along(&state), &z));
+        let field = mu.transpose().try_inverse().expect("axes") * along;
+        let spread = Spread { along: 1e-8, across: 3e-8, attitude: 2e-8, moments: 1 };
+        let rows = |state: &[f64]| {
+            let (state, mu) = (state.to_vec(), turned(&state.to_vec(), 10, &mu));
+            let own = own(&model.along(&state), &z);
+            let moment = Moment { own, z: z.clone(), field, rotation: Matrix3::identity() };
+            rows_about(&model, &state, &mu, (0.5, false), spread)(&moment)
+        };
+        // What is to be explained falls as the residual rises.
+        let residuals = |state: &[f64]| rows(state).iter().map(|row| -row[0]).collect();
+        let at = rows(&state);
+        let columns: Vec<Vec<f64>> =
+            (0..state.len()).map(|j| at.iter().map(|row| row[1 + j]).collect()).collect();
+        testkit::check_jacobian(residuals, &state, &[1e-4; 13], &columns, 1e-8);
     }
 }

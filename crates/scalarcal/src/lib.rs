@@ -9,10 +9,11 @@
 //! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000)
 //! 120–132.
 //!
-//! - `read` takes the recordings, `design` makes rows of products of them (`terms`), `factor` a triangle of
-//!   any number of rows. `model` gives the coefficients of the products as a function of the parameters, with
-//!   derivatives; `fit` is their least squares, corrected for the bias that noise adds to products. `fitted`
-//!   makes a calibration of it, for rows at hand and for streams alike.
+//! - `read` takes the recordings, `design` makes rows of products of them (`terms`), of any
+//!   number of rows as a triangular factor. `model` gives the coefficients of the products as a function of the parameters, with
+//!   derivatives; `fit` is their least squares, corrected for the bias that noise adds to products. `given` has
+//!   what a document declares and knows beforehand; `solved` makes a calibration of it, for rows at hand and
+//!   for streams alike.
 //! - `noise` goes through the rows once more as linear least squares about that fit, whitened by a Kalman
 //!   filter in which each sensor has noise of its own, and averages over forms of noise.
 //! - `effects` are those of the catalogue, by the derivatives of `physics::predict_with_jacobian`. `weakest`
@@ -25,21 +26,15 @@
 
 mod body;
 mod checks;
-mod declared;
 mod design;
-mod determined;
 mod directions;
 mod effects;
-mod ends;
-mod factor;
 mod fit;
-mod fitted;
+mod given;
 mod kalman;
-mod known;
 mod known_field;
 mod linear;
 mod model;
-mod moment;
 mod noise;
 mod options;
 mod read;
@@ -56,7 +51,7 @@ mod weakest;
 mod words;
 
 pub use common::Error;
-pub use options::Options;
+pub use options::{FitOptions, Options};
 pub use read::Source;
 pub use stream::Columns;
 pub use words::summary;
@@ -64,7 +59,9 @@ pub use words::summary;
 use common::Document;
 use joined::Gathered;
 use linear::Linear;
-use solved::{Detail, Solved};
+use model::NINE;
+use read::Series;
+use solved::Solved;
 
 /// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what
 /// stands behind them to `calibration.scalar`, and effects that were fitted to `model.effects`.
@@ -81,7 +78,7 @@ pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
 fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options) -> Result<Document, Error> {
     let told = gathered.as_ref().map_or(Vec::new(), |gathered| gathered.told.clone());
     let read = gathered.as_ref().map_or(&document, |gathered| &gathered.document);
-    let (mut solved, detail) = match calibrated(read, options) {
+    let (mut solved, series) = match calibrated(read, options) {
         Ok(solved) => solved,
         // Where the field hardly turns, rotations determine nothing, and what is determined is another thing.
         Err(refused) => {
@@ -90,15 +87,14 @@ fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options
             return Ok(document);
         }
     };
-    if options.known && result::earlier(&document, &solved) {
+    if options.fit.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";
         let expected = "one from another source: with --known each reading would count twice; use the document from before that run";
         return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
-    let options = &Options { known: options.known && solved.scalar.body.is_none(), ..options.clone() };
     solved.scalar.findings.splice(0..0, told);
-    seen::of_rows(&document, &mut solved, &detail, options)?;
-    result::adopt(&mut document, solved, &detail, options)?;
+    seen::of_rows(&document, &mut solved, &series, options)?;
+    result::adopt(&mut document, solved, &series)?;
     let references = physics::References::of(&document);
     physics::state_references(&mut document, &references);
     Ok(document)
@@ -106,41 +102,42 @@ fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options
 
 /// By the magnitude of the field, and where that is asked for by its direction. Sensors on a body, of which
 /// the calibration away from it is known, show the body's iron as well.
-fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
+fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Vec<Series>), Error> {
     let [on_body, away] = body::mounted(document);
-    let known = on_body && options.known;
+    let known = on_body && options.fit.known;
     if !on_body || !(away || known) {
-        let (mut solved, detail) = by_field(document, options)?;
+        let (mut solved, series) = by_field(document, options)?;
         solved.scalar.includes_body = !away;
         if on_body {
             solved.scalar.findings.push(body::INCLUDED.into());
         }
-        return Ok((solved, detail));
+        return Ok((solved, series));
     }
-    let mut own = document.clone();
-    // What is known of the sensors is their own: it is held against the body, not into the fit.
-    let options = &Options { known: away && options.known, ..options.clone() };
-    if away {
-        own = body::part(document, false);
-        let (mut solved, detail) = by_field(&own, options)?;
-        seen::of_rows(&own, &mut solved, &detail, options)?;
-        result::adopt(&mut own, solved, &detail, options)?;
+    let calibration = if away {
+        let mut own = body::part(document, false);
+        let (mut solved, series) = by_field(&own, options)?;
+        seen::of_rows(&own, &mut solved, &series, options)?;
+        result::adopt(&mut own, solved, &series)?;
+        own.calibration
     } else {
         body::stated(document)?;
-    }
-    let options = &Options { known: false, ..options.clone() };
-    let on_body = Document { calibration: own.calibration, ..body::part(document, true) };
-    let (mut solved, detail) = by_field(&on_body, options)?;
-    solved.scalar.body = Some(body::of(&on_body, &solved)?);
+        document.calibration.clone()
+    };
+    // What is known of the sensors is their own: it is held against the body, not into the fit.
+    let fit = FitOptions { known: false, ..options.fit.clone() };
+    let options = &Options { fit, ..options.clone() };
+    let on_body = Document { calibration, ..body::part(document, true) };
+    let (mut solved, series) = by_field(&on_body, options)?;
+    solved.scalar.body = Some(body::of(&solved)?);
     // It is the body that the readings are held against by what is known, not the other way round.
-    solved.beforehand.rows = Linear::none(solved.model.parameters.len());
-    Ok((solved, detail))
+    solved.given.prior = Linear::none(NINE);
+    Ok((solved, series))
 }
 
-fn by_field(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
-    let (solved, detail) = solve::solve(document, options)?;
+fn by_field(document: &Document, options: &Options) -> Result<(Solved, Vec<Series>), Error> {
+    let (solved, series) = solve::solve(document, options)?;
     if !options.vector {
-        return Ok((solved, detail));
+        return Ok((solved, series));
     }
-    Ok((vector::solve(document, solved, &detail, options)?, detail))
+    Ok((vector::solve(document, solved, &series)?, series))
 }

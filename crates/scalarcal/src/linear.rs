@@ -73,9 +73,7 @@ impl Linear {
 
     /// The decomposition of J.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Fit`] where there is none.
+    /// Errors: [`Error::Fit`] where there is none.
     pub fn svd(&self) -> Result<Svd, Error> {
         Ok(Svd::of(self.jacobian.as_ref(), RANK_TOLERANCE)?)
     }

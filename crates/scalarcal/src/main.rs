@@ -2,12 +2,11 @@
 
 use clap::{Args, Parser, Subcommand};
 use common::{Document, Error, procedure};
-use physics::Kind;
+use program::manual;
 use program::pieces::{self, Answer};
 use program::pipe::{self, Input, Program, StageIo};
-use program::{manual, number};
 use scalarcal::stream::{self, Partial};
-use scalarcal::{Columns, Options};
+use scalarcal::{Columns, FitOptions, Options};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -29,19 +28,7 @@ struct Cli {
     #[command(flatten)]
     stage: StageIo,
     #[command(flatten)]
-    fit: FitArgs,
-    /// Leave out rows that are outliers
-    #[arg(long)]
-    robust: bool,
-    /// Fit one constant magnitude of the field in recordings without a reference
-    #[arg(long)]
-    constant_magnitude: bool,
-    /// Compare the readings with the known field (ambient_*_nt) rotated by the attitude: determines the directions of the sensors fully
-    #[arg(long)]
-    vector: bool,
-    /// Fit an effect of the catalogue too (offset_temperature, sensitivity_temperature, stray_current, …); may be repeated
-    #[arg(long, value_name = "EFFECT", value_parser = Kind::known)]
-    with: Vec<Kind>,
+    options: Options,
 }
 
 #[derive(Subcommand)]
@@ -56,19 +43,6 @@ enum Command {
         scalarcal stream --partial fixtures/scalarcal/pieces/evening.csv >> pieces.ndjson\n  \
         scalarcal merge --document fixtures/scalarcal/pieces/stated.json \\\n    pieces.ndjson > result.json")]
     Merge(MergeArgs),
-}
-
-#[derive(Args)]
-struct FitArgs {
-    /// Use the stated calibration of the sensors as a prior, with its uncertainty
-    #[arg(long)]
-    known: bool,
-    /// Fit a constant error of the reference
-    #[arg(long)]
-    reference_offset: bool,
-    /// Calibrate in windows of this length, s, and test whether they agree
-    #[arg(long, value_name = "SECONDS", value_parser = number::positive)]
-    windows: Option<f64>,
 }
 
 #[derive(Args)]
@@ -93,13 +67,13 @@ struct KnownArgs {
     #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
     document: Option<PathBuf>,
     #[command(flatten)]
-    fit: FitArgs,
+    fit: FitOptions,
 }
 
 fn main() -> ExitCode {
     let cli = manual::parse::<Cli>();
     let result = match &cli.command {
-        None => run(cli),
+        None => run(&cli),
         Some(Command::Stream(args)) => {
             args.known.answered(|answer| args.stream.run(&Columns, answer)).map_err(Into::into)
         }
@@ -110,32 +84,9 @@ fn main() -> ExitCode {
     pipe::finish(PROGRAM, result)
 }
 
-impl FitArgs {
-    fn options(&self) -> Options {
-        Options {
-            known: self.known,
-            reference_offset: self.reference_offset,
-            windows_s: self.windows,
-            ..Options::default()
-        }
-    }
-}
-
-fn run(cli: Cli) -> anyhow::Result<()> {
-    let options = Options {
-        robust: cli.robust,
-        constant_magnitude: cli.constant_magnitude,
-        vector: cli.vector,
-        with: cli.with,
-        ..cli.fit.options()
-    };
-    pipe::stage(
-        PROGRAM,
-        &cli.stage,
-        options.arguments(),
-        |document| scalarcal::run(document, &options),
-        scalarcal::summary,
-    )?;
+fn run(cli: &Cli) -> anyhow::Result<()> {
+    let run = |document| scalarcal::run(document, &cli.options);
+    pipe::stage(PROGRAM, &cli.stage, cli.options.arguments(), run, scalarcal::summary)?;
     Ok(())
 }
 
@@ -146,13 +97,12 @@ impl KnownArgs {
         let stated =
             stated.map(|file| Input::document(Some(file), |file| format!("scalarcal stream {file}")));
         let stated = stated.transpose()?;
-        let options = self.fit.options();
         let of = |joined: &Partial| {
             let (input, document) = match &stated {
                 Some((input, document)) => (Some(input), document.clone()),
                 None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
             };
-            let document = stream::document(joined, document, &options).map_err(|error| match input {
+            let document = stream::document(joined, document, &self.fit).map_err(|error| match input {
                 Some(input) => input.locate(error),
                 None => error,
             })?;
@@ -161,7 +111,7 @@ impl KnownArgs {
         run(&Answer {
             program: PROGRAM,
             document: self.document.as_deref(),
-            arguments: options.arguments(),
+            arguments: Options { fit: self.fit.clone(), ..Options::default() }.arguments(),
             of: &of,
             words: &scalarcal::summary,
         })

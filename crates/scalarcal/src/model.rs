@@ -26,6 +26,8 @@ pub enum Parameter {
     Effect {
         /// Number of the effect and of its parameter.
         number: [usize; 2],
+        /// What one unit of the state is in the unit of its parameter.
+        unit: f64,
         /// The column z that its contribution to each sensor follows, and the factor on it.
         follows: [Option<(usize, f64)>; 3],
         name: String,
@@ -84,6 +86,13 @@ impl Model {
             terms: self.terms.clone(),
             parameters: self.parameters.iter().filter(shown).cloned().collect(),
         }
+    }
+
+    /// The nine parameters of the sensors by another state, and no effects.
+    pub fn with(&self, nine: &[f64]) -> State {
+        let mut state = self.nominal();
+        state[..NINE].copy_from_slice(&nine[..NINE]);
+        state
     }
 
     /// Nominal sensors: no offset, axes at right angles, no effects.
@@ -251,6 +260,7 @@ mod tests {
     fn products_add_up_to_the_residual() {
         let effect = Parameter::Effect {
             number: [0, 0],
+            unit: 1.0,
             follows: [Some((4, 1.0)), None, Some((5, 0.7))],
             name: String::new(),
         };

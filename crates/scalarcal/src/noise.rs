@@ -16,18 +16,19 @@
 
 use common::{Noise, covariance};
 use estimate::Svd;
-use faer::{Col, ColRef, Mat, Scale};
+use estimate::mixture::{Component, Mixture};
+use faer::{ColRef, Mat};
 use rayon::prelude::*;
 use std::ops::Range;
 
 use crate::Error;
 use crate::design::Rows;
-use crate::factor::{Factor, compressed};
 use crate::fit::{FittedState, about};
 use crate::kalman::{Filter, Form, Memory};
 use crate::linear::{Linear, RANK_TOLERANCE, root};
 use crate::model::{Model, own};
-use crate::read::Source;
+use crate::read::{Series, Source};
+use crate::terms::{Factor, compressed};
 
 /// Exponents that are allowed for in sensors.
 const EXPONENTS: [f64; 3] = [0.7, 1.0, 1.5];
@@ -59,9 +60,11 @@ pub struct Group {
 }
 
 impl Group {
-    /// Rows at a time, s.
-    pub fn at(time_s: f64, rows: Vec<Vec<f64>>) -> Self {
-        Self { span_s: [time_s, time_s], rows }
+    /// What rows of a recording make, or where that is more, its factor of so many columns.
+    pub fn of(series: &Series, rows: Range<usize>, all: Vec<Vec<f64>>, columns: usize) -> Self {
+        let time = series.time_s.as_deref();
+        let span_s = time.map_or([0.0; 2], |time| [time[rows.start], time[rows.end - 1]]);
+        Self { span_s, rows: compressed(all, columns) }
     }
 
     fn time_s(&self) -> f64 {
@@ -88,11 +91,9 @@ pub struct Filtered {
     pub linear: Linear,
     /// Variance σ² of the white noise, over the square of the typical magnitude.
     pub variance: f64,
-    weight: f64,
+    /// ln of prior times restricted likelihood.
+    log_weight: f64,
 }
-
-/// What forms of noise make of the rows; one at least.
-pub struct Forms(Vec<Filtered>);
 
 /// The mean of estimates by several forms.
 pub struct Average {
@@ -128,8 +129,7 @@ impl Groups {
         let share = if found.sensor > 0.0 { found.sensor / (found.sensor + found.reference) } else { 0.0 };
         let count = model.parameters.len();
         let along = model.along(state);
-        let by: Vec<Vec<f64>> =
-            (0..count).map(|j| (0..slopes.nrows()).map(|k| slopes[(k, j)]).collect()).collect();
+        let by: Vec<&[f64]> = (0..count).map(|j| slopes.col_as_slice(j)).collect();
         let row = |_: usize, z: &mut [f64], products: &mut [f64]| -> Vec<f64> {
             let residual: f64 = products.iter().zip(&coefficients).map(|(a, b)| a * b).sum();
             let own = own(&along, z);
@@ -138,7 +138,7 @@ impl Groups {
             z[model.terms.columns] += (1.0 - share) * residual * unit;
             let residual = residual * read / z[model.terms.columns];
             model.terms.fill(z, products);
-            let derivative = |by: &Vec<f64>| products.iter().zip(by).map(|(value, by)| value * by).sum();
+            let derivative = |by: &&[f64]| products.iter().zip(*by).map(|(value, by)| value * by).sum();
             // Observed less predicted: what is to be explained is −r.
             std::iter::once(added / z[model.terms.columns] - residual)
                 .chain(by.iter().map(derivative))
@@ -147,20 +147,18 @@ impl Groups {
         };
         // As many rows of factors as rows could be.
         let each = if all <= FILTERED { 1 } else { (all * (count + 1)).div_ceil(FILTERED) };
-        let of = |(number, piece): &(usize, Range<usize>)| -> Option<Vec<Group>> {
-            let time = rows.series[*number].time_s.as_deref();
-            let mut groups = Vec::new();
-            for from in piece.clone().step_by(each) {
-                let to = (from + each).min(piece.end);
-                let span_s = time.map_or([0.0; 2], |time| [time[from], time[to - 1]]);
-                let all = rows.map(&model.terms, *number, from..to, &row);
-                groups.push(Group { span_s, rows: compressed(all, count + 2) });
-            }
-            let ordered =
-                time.is_some() && groups.windows(2).all(|pair| pair[1].time_s() >= pair[0].time_s());
-            (ordered || !timed).then_some(groups)
+        let of = |number: usize, some: Range<usize>| {
+            let all = rows.map(&model.terms, number, some.clone(), &row);
+            Group::of(&rows.series[number], some, all, count + 2)
         };
-        let recordings: Vec<Vec<Group>> = rows.pieces.par_iter().map(of).collect::<Option<_>>()?;
+        let recordings = rows.each(each, of);
+        let ordered = |((number, _), groups): (&(usize, Range<usize>), &Vec<Group>)| {
+            rows.series[*number].time_s.is_some()
+                && groups.is_sorted_by(|one, next| next.time_s() >= one.time_s())
+        };
+        if timed && !rows.pieces.iter().zip(&recordings).all(ordered) {
+            return None;
+        }
         let measured = rows.series.iter().all(|one| one.source == Source::Scalar);
         let memories: &[Memory] =
             if measured { &[Memory::Sensors] } else { &[Memory::Sensors, Memory::Magnitude] };
@@ -253,8 +251,8 @@ impl Groups {
     }
 
     /// What is made of the rows by forms of noise, the first of them `base`, or by that alone where none is
-    /// searched for, weighed by restricted likelihood. None without times.
-    pub fn weighed(&self, held: &Linear, (base, searched): (Form, bool)) -> Option<Forms> {
+    /// searched for, weighed by restricted likelihood; one at least. None without times.
+    pub fn weighed(&self, held: &Linear, (base, searched): (Form, bool)) -> Option<Vec<Filtered>> {
         let step = self.step_s()?;
         let mut forms = vec![base];
         let row = step / self.each;
@@ -274,24 +272,21 @@ impl Groups {
             let (upper, logarithm) = self.whitened(*form, true)?;
             let (variance, log_likelihood) =
                 restricted(&Linear::of(&upper, 1.0), held, self.rows, logarithm)?;
-            let linear = Linear::of(&upper, variance);
-            Some((Filtered { form: *form, linear, variance, weight: prior(place) }, log_likelihood))
+            let (linear, log_weight) = (Linear::of(&upper, variance), prior(place).ln() + log_likelihood);
+            Some(Filtered { form: *form, linear, variance, log_weight })
         };
-        let mut all: Vec<(Filtered, f64)> = forms.par_iter().enumerate().filter_map(weigh).collect();
-        let best = all.iter().map(|(_, likelihood)| *likelihood).fold(f64::NEG_INFINITY, f64::max);
-        all.iter_mut().for_each(|(one, likelihood)| one.weight *= (*likelihood - best).exp());
-        let total: f64 = all.iter().map(|(one, _)| one.weight).sum();
-        let counts = |one: &Filtered| one.weight / total > NEGLIGIBLE;
-        let all: Vec<Filtered> = all.into_iter().map(|(one, _)| one).filter(counts).collect();
-        (!all.is_empty()).then_some(Forms(all))
+        let mut all: Vec<Filtered> = forms.par_iter().enumerate().filter_map(weigh).collect();
+        let best = heaviest(&all)?.log_weight;
+        let total: f64 = all.iter().map(|one| (one.log_weight - best).exp()).sum();
+        all.retain(|one| (one.log_weight - best).exp() / total > NEGLIGIBLE);
+        Some(all)
     }
 
     /// Averages a fit over the forms of noise, the first of them `base`, or takes that alone where none is
-    /// searched for. Gives the heaviest form with its noise, nT; None where nothing was done.
+    /// searched for. `held` is what no reading shows, `known` that with what is known beforehand. Gives the
+    /// heaviest form with its noise, nT; None where nothing was done.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Fit`] where a decomposition fails.
+    /// Errors: [`Error::Fit`] where a decomposition fails.
     pub fn average(
         &self,
         found: &mut FittedState,
@@ -299,9 +294,9 @@ impl Groups {
         (base, searched, unit_nt): (Form, bool, f64),
     ) -> Result<Option<(Form, Noise)>, Error> {
         let Some(forms) = self.weighed(held, (base, searched)) else { return Ok(None) };
-        let joint = forms.average(&held.and(known), &found.state)?;
-        let alone = forms.average(held, &found.state)?;
-        let heaviest = forms.heaviest();
+        let Some(heaviest) = heaviest(&forms) else { return Ok(None) };
+        let joint = average(&forms, known, &found.state)?;
+        let alone = average(&forms, held, &found.state)?;
         found.jacobian =
             if alone.full { root(&alone.covariance) } else { heaviest.linear.and(held).jacobian };
         found.state.iter_mut().zip(&joint.step).for_each(|(value, step)| *value += step);
@@ -311,38 +306,27 @@ impl Groups {
     }
 }
 
-impl Forms {
-    /// The estimates with rows of what is known, about a state, averaged by the weights of the forms.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Fit`] where a decomposition fails.
-    pub fn average(&self, known: &Linear, state: &[f64]) -> Result<Average, Error> {
-        let count = state.len();
-        let known = known.about(state);
-        let total: f64 = self.0.iter().map(|one| one.weight).sum();
-        let (mut covariance, mut full) = (Mat::zeros(count, count), true);
-        let mut steps = Vec::new();
-        for one in &self.0 {
-            let linear = one.linear.and(&known);
-            let (svd, share) = (linear.svd()?, one.weight / total);
-            full &= svd.rank() == count;
-            covariance += svd.covariance() * Scale(share);
-            steps.push((share, svd.solve(&linear.right)));
-        }
-        let mean = |j: usize| steps.iter().map(|(share, step)| share * step[j]).sum();
-        let mean: Vec<f64> = (0..count).map(mean).collect();
-        for (share, step) in &steps {
-            let off = Col::from_fn(count, |j| step[j] - mean[j]);
-            covariance += &off * off.transpose() * Scale(*share);
-        }
-        Ok(Average { step: mean, covariance, full })
-    }
+/// The estimates with rows of what is known, about a state, averaged by the weights of the forms.
+///
+/// Errors: [`Error::Fit`] where a decomposition fails.
+pub fn average(forms: &[Filtered], known: &Linear, state: &[f64]) -> Result<Average, Error> {
+    let (known, count) = (known.about(state), state.len());
+    let mut full = true;
+    let of = |one: &Filtered| -> Result<Component, Error> {
+        let linear = one.linear.and(&known);
+        let svd = linear.svd()?;
+        full &= svd.rank() == count;
+        let (coefficients, covariance) = (svd.solve(&linear.right), svd.covariance());
+        Ok(Component { log_weight: one.log_weight, coefficients, covariance })
+    };
+    let mixture = Mixture::of(forms.iter().map(of).collect::<Result<_, _>>()?, f64::INFINITY);
+    let covariance = Mat::from_fn(count, count, |i, j| mixture.covariance(i, j));
+    Ok(Average { step: mixture.coefficients().to_vec(), covariance, full })
+}
 
-    /// The form of the largest weight.
-    pub fn heaviest(&self) -> &Filtered {
-        self.0.iter().max_by(|a, b| a.weight.total_cmp(&b.weight)).expect("one at least has a weight")
-    }
+/// The form of the largest weight.
+pub fn heaviest(forms: &[Filtered]) -> Option<&Filtered> {
+    forms.iter().max_by(|a, b| a.log_weight.total_cmp(&b.log_weight))
 }
 
 impl Filtered {

@@ -1,21 +1,40 @@
-use physics::Kind;
+//! What is asked of scalarcal.
 
-/// What is asked of scalarcal.
-#[derive(Clone, Debug, Default, PartialEq)]
+use clap::Args;
+use physics::Kind;
+use program::number;
+
+/// What is asked of rows at hand.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct Options {
-    /// Use what `calibration` states of the sensors, with its uncertainty.
-    pub known: bool,
-    /// Weigh rows that are far from the rest down.
+    /// What is asked of a stream too.
+    #[command(flatten)]
+    pub fit: FitOptions,
+    /// Leave out rows that are outliers
+    #[arg(long)]
     pub robust: bool,
-    /// The magnitude is constant and not known in recordings that have no reference.
+    /// Fit one constant magnitude of the field in recordings without a reference
+    #[arg(long)]
     pub constant_magnitude: bool,
-    /// Fit what the reference reads too much.
-    pub reference_offset: bool,
-    /// Use the direction of the known field as well, by the attitude.
+    /// Compare the readings with the known field (ambient_*_nt) rotated by the attitude: determines the directions of the sensors fully
+    #[arg(long)]
     pub vector: bool,
-    /// Effects of the catalogue that are fitted together with the sensors.
+    /// Fit an effect of the catalogue too (offset_temperature, sensitivity_temperature, stray_current, …); may be repeated
+    #[arg(long, value_name = "EFFECT", value_parser = Kind::known)]
     pub with: Vec<Kind>,
-    /// Length of the windows in which the calibration is told, s; None: up to eight parts of each recording.
+}
+
+/// What is asked of them and of a stream alike.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub struct FitOptions {
+    /// Use the stated calibration of the sensors as a prior, with its uncertainty
+    #[arg(long)]
+    pub known: bool,
+    /// Fit a constant error of the reference
+    #[arg(long)]
+    pub reference_offset: bool,
+    /// Calibrate in windows of this length, s, and test whether they agree
+    #[arg(long = "windows", value_name = "SECONDS", value_parser = number::positive)]
     pub windows_s: Option<f64>,
 }
 
@@ -23,14 +42,14 @@ impl Options {
     /// What the history records of the request.
     pub fn arguments(&self) -> Vec<String> {
         let flags = [
-            (self.known, "--known"),
+            (self.fit.known, "--known"),
             (self.robust, "--robust"),
             (self.constant_magnitude, "--constant-magnitude"),
-            (self.reference_offset, "--reference-offset"),
+            (self.fit.reference_offset, "--reference-offset"),
             (self.vector, "--vector"),
         ];
         let flags = flags.iter().filter(|(set, _)| *set).map(|(_, name)| name.to_string());
         let with = self.with.iter().map(|kind| format!("--with={}", kind.name()));
-        flags.chain(with).chain(self.windows_s.map(|length| format!("--windows={length}"))).collect()
+        flags.chain(with).chain(self.fit.windows_s.map(|length| format!("--windows={length}"))).collect()
     }
 }

@@ -54,6 +54,8 @@ pub struct Series {
     pub readings: [Vec<f64>; 3],
     /// The magnitude of the field, nT; one where it is not known.
     pub magnitude_nt: Vec<f64>,
+    /// Columns that effects follow, nT, each with an rms of the typical magnitude.
+    pub follows: Vec<Vec<f64>>,
     pub source: Source,
     /// Rows that lack a reading.
     pub missing: usize,
@@ -75,10 +77,8 @@ impl Series {
 
 /// The unit of the readings, and the recordings.
 ///
-/// # Errors
-///
-/// No recording with sensors and a magnitude; a sensor that does not move; a reference in another unit;
-/// readings in V and in nT.
+/// Errors: no recording with sensors and a magnitude; a sensor that does not move; a reference in another
+/// unit; readings in V and in nT.
 pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>), Error> {
     let mut all: Vec<(Unit, Series)> = Vec::new();
     let mut without = None;
@@ -169,6 +169,7 @@ fn series(
         time_s: time.map(of),
         readings: columns.map(of),
         magnitude_nt: of(&magnitude),
+        follows: Vec::new(),
         source,
         missing: recording.rows() - rows.len(),
         rows,
@@ -247,9 +248,9 @@ fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> 
 pub fn along(document: &Document, unit: Unit, series: &Series) -> [Vec<f64>; 3] {
     let basic = physics::Basic::found(document, unit);
     Axis::ALL.map(|axis| {
-        let scale = sensitivity(document, unit, axis).unwrap_or(1.0);
-        let offset = basic.sensors[axis.index()].offset_nt;
-        series.readings[axis.index()].iter().map(|reading| scale * reading + offset).collect()
+        let sensor = basic.sensors[axis.index()];
+        let along = |reading: &f64| sensor.sensitivity * reading + sensor.offset_nt;
+        series.readings[axis.index()].iter().map(along).collect()
     })
 }
 
@@ -263,9 +264,7 @@ pub fn by_nominal(length: f64, unit: Unit, document: &Document) -> Option<f64> {
 /// That a magnitude is in nT: it is like that of a field, and like that which the readings are of, nT, where
 /// that is known.
 ///
-/// # Errors
-///
-/// A magnitude that is in another unit, at a place of the document.
+/// Errors: a magnitude that is in another unit, at a place of the document.
 pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(), Error> {
     // Smaller readings beside the Earth's field are variations about one that is compensated.
     let least = if (EARTH[0]..=EARTH[1]).contains(&magnitude) { 0.0 } else { 1.0 / ALIKE };

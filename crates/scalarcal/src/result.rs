@@ -11,29 +11,26 @@ use faer::{ColRef, Mat, RowRef, Scale};
 use physics::Unit;
 use physics::frames::ARCSEC;
 
+use crate::design::Rows;
 use crate::directions::directions_by;
-use crate::linear::{Linear, deviations, unit};
+use crate::given::Given;
+use crate::linear::{Linear, RANK_TOLERANCE, deviations, stacked, unit};
 use crate::model::{AXES, NINE, PAIRS, Parameter};
-use crate::solved::{Detail, Solved};
-use crate::weakest;
-use crate::{Error, Options, words};
+use crate::read::Series;
+use crate::solved::Solved;
+use crate::{Error, weakest, words};
 
 /// What shows all twelve parameters.
 const MORE_ATTITUDES: &str =
     "record further attitudes, so that the field lies along each sensor in both directions and between them";
 
 /// Takes the calibration into the document.
-pub fn adopt(
-    document: &mut Document,
-    mut solved: Solved,
-    detail: &Detail,
-    options: &Options,
-) -> Result<(), Error> {
-    solved.scalar = describe(document, &solved, detail, options);
-    let joint = joint(document, &solved, options)?;
-    let (state, scales) = (&solved.found.state, &solved.scales);
+pub fn adopt(document: &mut Document, mut solved: Solved, series: &[Series]) -> Result<(), Error> {
+    solved.scalar = describe(document, &solved, series);
+    let joint = joint(document, &solved)?;
+    let (state, unit, scales) = (&solved.found.state, solved.given.unit, &solved.given.scales);
     let factor = stats::coverage_factor(0.95, solved.found.freedom);
-    let suffix = solved.unit.suffix();
+    let suffix = unit.suffix();
     let calibration = document.calibration.get_or_insert_default();
     let sensors = calibration.sensors.get_or_insert_default();
     for axis in Axis::ALL {
@@ -43,7 +40,7 @@ pub fn adopt(
         let quantity =
             |which: usize| Quantity::new(values[which], joint.std(&paths[which])).covered_by(factor);
         let sensor = sensors.entry(axis).get_or_insert_default();
-        match solved.unit {
+        match unit {
             Unit::Volt => sensor.sensitivity_nt_per_v = Some(quantity(0)),
             Unit::Nanotesla => sensor.sensitivity_nt_per_nt = Some(quantity(0)),
         }
@@ -81,20 +78,21 @@ fn model(document: &mut Document, solved: &Solved) {
     all.extend(found.into_iter().map(|(effect, _)| effect));
 }
 
-/// The effects as documents have them, each with the places of its parameters in the state.
-fn instances(solved: &Solved) -> Vec<(AdoptedEffect, Vec<usize>)> {
-    let Solved { model, found, units, effects, .. } = solved;
+/// The effects as documents have them, each with the places of its parameters in the state and their units.
+fn instances(solved: &Solved) -> Vec<(AdoptedEffect, Vec<(usize, f64)>)> {
+    let Solved { model, found, effects, .. } = solved;
     let of = |(number, effect): (usize, &physics::EffectInstance)| {
-        let mut parameters = indexmap::IndexMap::new();
-        let mut places = Vec::new();
-        for (parameter, info) in effect.kind.parameters().iter().enumerate() {
-            let mine = |one: &Parameter| matches!(one, Parameter::Effect { number: own, .. } if *own == [number, parameter]);
-            let place = model.parameters.iter().position(mine).expect("every parameter is fitted");
-            let unit = units[place - NINE];
-            let std = found.covariance[(place, place)].max(0.0).sqrt() * unit;
-            parameters.insert(info.name.to_string(), Quantity::new(found.state[place] * unit, std));
-            places.push(place);
-        }
+        let mine = |(place, one): (usize, &Parameter)| match one {
+            Parameter::Effect { number: own, unit, .. } if own[0] == number => Some((place, *unit)),
+            _ => None,
+        };
+        let places: Vec<(usize, f64)> = model.parameters.iter().enumerate().filter_map(mine).collect();
+        let size = |(place, unit): &(usize, f64)| {
+            let std = found.covariance[(*place, *place)].max(0.0).sqrt() * unit;
+            Quantity::new(found.state[*place] * unit, std)
+        };
+        let names = effect.kind.parameters().iter().map(|info| info.name.to_string());
+        let parameters = names.zip(places.iter().map(size)).collect();
         let effect = AdoptedEffect {
             effect: effect.kind.name().into(),
             sensor: effect.axis,
@@ -109,10 +107,10 @@ fn instances(solved: &Solved) -> Vec<(AdoptedEffect, Vec<usize>)> {
 }
 
 /// The joint uncertainty with the parameters that were found.
-fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Uncertainty, Error> {
-    let Solved { model, found, scales, units, .. } = solved;
+fn joint(document: &Document, solved: &Solved) -> Result<Uncertainty, Error> {
+    let Solved { given, model, found, .. } = solved;
     let count = model.parameters.len();
-    let suffix = solved.unit.suffix();
+    let (suffix, scales) = (given.unit.suffix(), &given.scales);
     let single = |place: usize, factor: f64| unit(place, count).iter().map(|one| one * factor).collect();
     let mut all: Vec<(String, Vec<f64>)> = Vec::new();
     for axis in Axis::ALL {
@@ -125,20 +123,20 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
     let cosine = |k: usize| by.iter().map(move |by| by.map_or(0.0, |by| by[(k % 3, k / 3)])).collect();
     all.extend(uncertainty::directions("sensors").into_iter().zip((0..9).map(cosine)));
     for (effect, places) in instances(solved) {
-        for (name, place) in effect.parameters.keys().zip(places) {
-            all.push((uncertainty::effect(&effect, name), single(place, units[place - NINE])));
+        for (name, (place, unit)) in effect.parameters.keys().zip(places) {
+            all.push((uncertainty::effect(&effect, name), single(place, unit)));
         }
     }
     let (parameters, rows): (Vec<String>, Vec<Vec<f64>>) = all.into_iter().unzip();
     let map = covariance::matrix(&rows);
     // What is known beforehand moves the parameters by C Wᵀ W.
-    let known = if options.known { solved.beforehand.rows.clone() } else { Linear::none(count) };
+    let known = if given.known { given.prior.padded(count) } else { Linear::none(count) };
     let gain = &found.covariance * known.jacobian.transpose() * &known.jacobian;
     let own = positive(&(&found.covariance - &gain * &found.covariance), &found.covariance)?;
     let covariance = &map * own * map.transpose();
     let by_nine = &map * gain.subcols(0, NINE);
     let moved = |nine: &[f64]| (&by_nine * ColRef::from_slice(nine)).iter().copied().collect();
-    let known = solved.beforehand.by.iter().filter(|_| options.known);
+    let known = given.by.iter().filter(|_| given.known);
     let by = known.map(|(path, nine)| (path.clone(), moved(nine))).collect();
     let mut joint = Uncertainty::of(document)?;
     let added: Vec<String> = Axis::ALL.into_iter().map(uncertainty::added_offset).collect();
@@ -158,9 +156,7 @@ fn joint(document: &Document, solved: &Solved, options: &Options) -> Result<Unce
 /// The positive part of a share of a covariance. An average over forms of noise is wider than each of them,
 /// and what is left of it without what was known may then be less than nothing in some direction.
 ///
-/// # Errors
-///
-/// [`Error::Unanswerable`] where the decomposition fails.
+/// Errors: [`Error::Unanswerable`] where the decomposition fails.
 fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let count = whole.nrows();
     let scale = deviations(whole);
@@ -175,11 +171,11 @@ fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
 }
 
 /// What is said of the calibration.
-fn describe(document: &Document, solved: &Solved, detail: &Detail, options: &Options) -> ScalarCalibration {
-    let Solved { model, found, scales, .. } = solved;
+fn describe(document: &Document, solved: &Solved, series: &[Series]) -> ScalarCalibration {
+    let Solved { given, model, found, .. } = solved;
     let earlier = earlier(document, solved);
     // Known beforehand and by the magnitude together is not the readings alone.
-    let mixed = options.known && solved.scalar.vector.is_some();
+    let mixed = given.known && solved.scalar.vector.is_some();
     let mut scalar = ScalarCalibration {
         reference: solved.sources.iter().map(|source| source.words()).collect::<Vec<_>>().join("; "),
         memory_of: (solved.form.ratio > 0.0).then(|| solved.form.of.name().into()),
@@ -187,13 +183,13 @@ fn describe(document: &Document, solved: &Solved, detail: &Detail, options: &Opt
         reference_noise_nt: found.reference.sqrt() * solved.unit_nt(),
         parameters: parameters(solved, earlier, mixed),
         rank: found.seen.rank(),
-        beforehand: if earlier || mixed { None } else { against_known(solved, options) },
+        beforehand: if earlier || mixed { None } else { against_known(solved) },
         ..solved.scalar.clone()
     };
-    let rows = detail.rows(*scales);
+    let rows = Rows::new(series, given.scales);
     let directions = weakest::directions(&rows, model, &found.state, &solved.mu);
     let fields: Vec<_> = directions.iter().map(|(_, _, field)| *field).collect();
-    let of = (fields.as_slice(), scales.magnitude_nt);
+    let of = (fields.as_slice(), given.scales.magnitude_nt);
     scalar.weakest = weakest::weakest(model, &found.state, &found.jacobian, of, &solved.mu);
     if let Some(weakest) = scalar.weakest.as_mut().filter(|_| solved.scalar.vector.is_some()) {
         // What further rotations show by the magnitude is not what they show by the direction.
@@ -202,7 +198,7 @@ fn describe(document: &Document, solved: &Solved, detail: &Detail, options: &Opt
     }
     scalar.directions = Some(FieldDirections {
         unit: fields.iter().map(|field| field.normalize().into()).collect(),
-        residual_nt: directions.iter().map(|(number, row, _)| detail.residuals[*number][*row]).collect(),
+        residual_nt: directions.iter().map(|(number, row, _)| solved.residuals[*number][*row]).collect(),
     });
     let findings = words::findings(solved, &scalar);
     scalar.findings.extend(findings);
@@ -226,13 +222,12 @@ fn parameters(solved: &Solved, earlier: bool, mixed: bool) -> Vec<ScalarParamete
     let Solved { model, found, .. } = solved;
     let count = model.parameters.len();
     let alone = (found.seen.rank() == count && !mixed).then(|| found.seen.covariance());
-    let known = &solved.beforehand.rows.jacobian;
-    let with = found.jacobian.transpose() * &found.jacobian + known.transpose() * known;
+    let known = solved.given.prior.padded(count).jacobian;
     let with = (!earlier && known.nrows() > 0)
-        .then(|| Svd::of(with.as_ref(), 1e-15).ok())
+        .then(|| Svd::of(stacked(&found.jacobian, &known).as_ref(), RANK_TOLERANCE).ok())
         .flatten()
         .filter(|svd| svd.rank() == count)
-        .map(|svd| (0..count).map(|k| svd.solve(&unit(k, count))[k].max(0.0).sqrt()).collect::<Vec<f64>>());
+        .map(|svd| svd.covariance());
     let of = |place: usize| {
         let (name, unit, value, scale) = described(solved, place);
         let std = |variance: f64| variance.max(0.0).sqrt() * scale;
@@ -243,7 +238,7 @@ fn parameters(solved: &Solved, earlier: bool, mixed: bool) -> Vec<ScalarParamete
             value,
             std: std(found.covariance[(place, place)]),
             std_alone: std_alone.filter(|std| std.is_finite()),
-            std_with_known: with.as_ref().map(|with| with[place] * scale),
+            std_with_known: with.as_ref().map(|with| std(with[(place, place)])),
         }
     };
     (0..count).map(of).collect()
@@ -251,12 +246,12 @@ fn parameters(solved: &Solved, earlier: bool, mixed: bool) -> Vec<ScalarParamete
 
 /// Name, unit, value and what a unit of the state is in that unit.
 pub fn described(solved: &Solved, place: usize) -> (String, &'static str, f64, f64) {
-    let Solved { model, found, scales, .. } = solved;
+    let Solved { given: Given { unit, scales, .. }, model, found, .. } = solved;
     let value = found.state[place];
     let mut name = model.parameters[place].name();
     let (unit, scale) = match &model.parameters[place] {
         Parameter::Sensitivity(axis) => {
-            let unit = if solved.unit == Unit::Volt { "nT/V" } else { "nT/nT" };
+            let unit = if *unit == Unit::Volt { "nT/V" } else { "nT/nT" };
             (unit, scales.sensitivity[*axis])
         }
         Parameter::Offset(_) | Parameter::ReferenceOffset | Parameter::Magnitude => {
@@ -268,23 +263,24 @@ pub fn described(solved: &Solved, place: usize) -> (String, &'static str, f64, f
             let angle = value.clamp(-1.0, 1.0).asin() / ARCSEC;
             return (name, "arcsec", angle, 1.0 / (1.0 - value * value).max(1e-12).sqrt() / ARCSEC);
         }
-        Parameter::Effect { .. } => ("", solved.units[place - NINE]),
+        Parameter::Effect { unit, .. } => ("", *unit),
         Parameter::Turn(_) => ("arcsec", 1.0 / ARCSEC),
     };
     (name, unit, value * scale, scale)
 }
 
 /// The readings alone against what was known beforehand.
-fn against_known(solved: &Solved, options: &Options) -> Option<AgainstKnown> {
-    let Solved { model, found, beforehand, .. } = solved;
-    let (known, count) = (&beforehand.rows, model.parameters.len());
+fn against_known(solved: &Solved) -> Option<AgainstKnown> {
+    let Solved { given, model, found, .. } = solved;
+    let count = model.parameters.len();
+    let known = given.prior.padded(count);
     if known.is_empty() || found.seen.rank() < count {
         return None;
     }
     let weights = &known.jacobian;
     let mut covariance = weights * found.seen.covariance() * weights.transpose();
     let mut residual = ColRef::from_slice(&known.about(&found.state).right).to_owned();
-    if options.known {
+    if given.known {
         // At the joint minimum the readings pull as much as what is known does, Jᵀr = −Wᵀρ: without it the
         // state is C Wᵀρ away.
         residual = &residual + &covariance * &residual;
@@ -299,6 +295,6 @@ fn against_known(solved: &Solved, options: &Options) -> Option<AgainstKnown> {
         chi_squared,
         degrees_of_freedom,
         p_value,
-        used: options.known,
+        used: given.known,
     })
 }

@@ -1,19 +1,21 @@
 //! What the readings say beside the calibration itself: of the calibration that was stated before, of a
 //! constant error of the reference, and whether the calibration holds over the time.
 
-use common::{Document, Quantity, ReferenceOffset, ScalarStability, ScalarWindow};
+use common::{Document, Quantity, ReferenceOffset, ScalarCalibration, ScalarStability, ScalarWindow};
 use estimate::{Svd, stats};
 use faer::ColRef;
 
+use crate::design::Rows;
 use crate::fit::FittedState;
+use crate::given::{Given, stated};
 use crate::linear::Linear;
 use crate::model::{Model, NINE, Parameter, State};
 use crate::noise::Groups;
-use crate::read::{Series, Source};
+use crate::read::{Series, Source, is_stated};
 use crate::result::{described, earlier};
-use crate::solved::{Detail, Solved};
+use crate::solved::Solved;
 use crate::weakest::UNDETERMINED;
-use crate::{Error, Options, checks, start};
+use crate::{Error, Options, checks};
 
 /// A constant error of the reference is asked for where the magnitude varies by so many times the residuals:
 /// less is noise of the reference in part, and biases what follows it.
@@ -31,32 +33,51 @@ const FEWEST_PARTS: usize = 2;
 
 /// Adds what rows that are at hand say.
 ///
-/// # Errors
-///
-/// [`Error::Fit`] where a decomposition fails; windows that cannot be.
+/// Errors: [`Error::Fit`] where a decomposition fails; windows that cannot be.
 pub fn of_rows(
     document: &Document,
     solved: &mut Solved,
-    detail: &Detail,
+    series: &[Series],
     options: &Options,
 ) -> Result<(), Error> {
-    let magnitudes = || detail.series.iter().flat_map(|one| &one.magnitude_nt);
+    let magnitudes = || series.iter().flat_map(|one| &one.magnitude_nt);
     let count = magnitudes().count() as f64;
     let mean = magnitudes().sum::<f64>() / count;
     let varies_nt = (magnitudes().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let rows = detail.rows(solved.scales);
-    let plain = Some(&detail.plain);
-    let groups = |model: &Model, found: &FittedState| solved.groups(&rows, plain, model, found);
-    let before = before(document, solved).map(|state| rms(&rows.residuals(&solved.model, &state)));
-    let reference_offset = reference_offset(solved, varies_nt, groups)?;
-    let stability = stability(solved, parts(solved, detail, options)?)?;
-    let scalar = &mut solved.scalar;
+    let rows = Rows::new(series, solved.given.scales);
+    let groups = |model: &Model, found: &FittedState| solved.groups(&rows, Some(&solved.plain), model, found);
+    let parts = parts(solved, &rows, options)?;
+    let rms_before = |state: &State| rms(&rows.residuals(&solved.model, state));
+    solved.scalar =
+        beside(document, solved, (rms(&solved.residuals), rms_before), (varies_nt, groups), parts)?;
     if !options.robust {
-        scalar.findings.extend(checks::disturbed(&detail.series, &detail.residuals));
+        solved.scalar.findings.extend(checks::disturbed(series, &solved.residuals));
     }
-    (scalar.rms_nt, scalar.rms_before_nt) = (rms(&detail.residuals), before);
-    (scalar.reference_offset, scalar.stability) = (reference_offset, stability);
     Ok(())
+}
+
+/// What is said of a calibration with that which the readings say beside it: their rms now and by a state,
+/// what the reference reads too much, and χ² of the parts. `varies_nt` is how far the magnitude varies, and
+/// `groups` makes the rows about a fit of a model.
+pub fn beside(
+    document: &Document,
+    solved: &Solved,
+    (rms_nt, rms_by): (f64, impl Fn(&State) -> f64),
+    (varies_nt, groups): (f64, impl Fn(&Model, &FittedState) -> Option<Groups>),
+    parts: Vec<Part>,
+) -> Result<ScalarCalibration, Error> {
+    // The calibration that the document stated before, where there is one from elsewhere.
+    let Given { unit, scales, .. } = &solved.given;
+    let before =
+        is_stated(document, *unit) && !earlier(document, solved) && solved.sources != [Source::Constant];
+    let before = before.then(|| solved.model.with(&stated(document, *unit, scales)));
+    Ok(ScalarCalibration {
+        rms_nt,
+        rms_before_nt: before.map(|state| rms_by(&state)),
+        reference_offset: reference_offset(solved, varies_nt, groups)?,
+        stability: stability(solved, parts)?,
+        ..solved.scalar.clone()
+    })
 }
 
 fn rms(residuals: &[Vec<f64>]) -> f64 {
@@ -64,43 +85,26 @@ fn rms(residuals: &[Vec<f64>]) -> f64 {
     (all().sum::<f64>() / all().count() as f64).sqrt()
 }
 
-/// The calibration that the document stated before, where there is one from elsewhere.
-pub fn before(document: &Document, solved: &Solved) -> Option<State> {
-    let there = crate::read::is_stated(document, solved.unit)
-        && !earlier(document, solved)
-        && solved.sources != [Source::Constant];
-    there.then(|| {
-        let mut state = solved.model.nominal();
-        state[..NINE].copy_from_slice(&start::stated(document, solved.unit, &solved.scales));
-        state
-    })
-}
-
-/// What the reference reads too much, as one more unknown beside all others. `varies_nt` is how far the
-/// magnitude varies, and `groups` makes the rows about a fit of a model.
-pub fn reference_offset(
+/// What the reference reads too much, as one more unknown beside all others.
+fn reference_offset(
     solved: &Solved,
     varies_nt: f64,
     groups: impl FnOnce(&Model, &FittedState) -> Option<Groups>,
 ) -> Result<Option<ReferenceOffset>, Error> {
-    let Solved { model, found, scales, known, .. } = solved;
+    let (Solved { model, found, known, .. }, size_nt) = (solved, solved.given.scales.magnitude_nt);
     let read = solved.sources.iter().any(|source| matches!(source, Source::Scalar | Source::Ambient));
     if !read || model.place(&Parameter::Magnitude).is_some() || solved.scalar.vector.is_some() {
         return Ok(None);
     }
     // In a field that hardly varies a constant error of the reference is one of all sensitivities.
     let fitted = model.place(&Parameter::ReferenceOffset).is_some();
-    if !fitted && varies_nt < VARIES * found.variance.sqrt() * scales.magnitude_nt {
+    if !fitted && varies_nt < VARIES * found.variance.sqrt() * size_nt {
         return Ok(None);
     }
     let of = |value: f64, variance: f64, fitted: bool| {
         let std = variance.max(0.0).sqrt();
         let p_value = stats::two_sided_p(value / std, found.freedom);
-        ReferenceOffset {
-            offset_nt: Quantity::new(value * scales.magnitude_nt, std * scales.magnitude_nt),
-            p_value,
-            fitted,
-        }
+        ReferenceOffset { offset_nt: Quantity::new(value * size_nt, std * size_nt), p_value, fitted }
     };
     if let Some(place) = model.place(&Parameter::ReferenceOffset) {
         return Ok(Some(of(found.state[place], found.covariance[(place, place)], true)));
@@ -136,7 +140,7 @@ pub struct Part {
 /// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on
 /// the range of a part's derivatives, is what the parts gain by parameters of their own. None for fewer than
 /// two parts.
-pub fn stability(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, Error> {
+fn stability(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, Error> {
     // By the magnitude, which does not show the turn of the sensors; what is held is then of the turn too.
     let turned = solved.scalar.vector.is_some();
     let count = solved.model.by_magnitude().parameters.len();
@@ -189,32 +193,29 @@ pub fn stability(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStabi
 
 /// The parts of recordings whose rows are at hand: windows where they are asked for.
 ///
-/// # Errors
-///
-/// Windows without times to cut by, or so short that there are too many.
-fn parts(solved: &Solved, detail: &Detail, options: &Options) -> Result<Vec<Part>, Error> {
+/// Errors: windows without times to cut by, or so short that there are too many.
+fn parts(solved: &Solved, all: &Rows<'_>, options: &Options) -> Result<Vec<Part>, Error> {
     let model = solved.model.by_magnitude();
-    let pieces = match options.windows_s {
-        Some(length) => by_time(&detail.series, length)?,
-        None => pieces(&detail.series, model.parameters.len()),
+    let pieces = match options.fit.windows_s {
+        Some(length) => by_time(all.series, length)?,
+        None => pieces(all.series, model.parameters.len()),
     };
     if pieces.len() < FEWEST_PARTS {
         return Ok(Vec::new());
     }
-    let all = detail.rows(solved.scales);
     let of = |(number, from, to): (usize, usize, usize)| {
         let rows = all.part(number, from..to);
         let plain = solved.white.then(|| rows.factor(&solved.model.terms));
         let groups = solved.groups(&rows, plain.as_ref(), &model, &solved.found);
-        let time = detail.series[number].time_s.as_ref();
+        let time = all.series[number].time_s.as_ref();
         let [from_s, to_s] = [from, to - 1].map(|row| time.map_or(row as f64, |time| time[row]));
-        let squares: f64 = detail.residuals[number][from..to].iter().map(|value| value * value).sum();
+        let squares: f64 = solved.residuals[number][from..to].iter().map(|value| value * value).sum();
         let rms_nt = (squares / (to - from) as f64).sqrt();
         Part { span_s: [from_s, to_s], rows: (to - from) as u64, rms_nt, groups }
     };
     let parts: Vec<Part> = pieces.into_iter().map(of).collect();
     // Of parts that nobody asked for all are compared, or none.
-    let whole = options.windows_s.is_some() || parts.iter().all(|part| part.groups.is_some());
+    let whole = options.fit.windows_s.is_some() || parts.iter().all(|part| part.groups.is_some());
     Ok(if whole { parts } else { Vec::new() })
 }
 

@@ -6,17 +6,14 @@ use estimate::robust::{bisquare, scale_of};
 use nalgebra::Matrix3;
 use physics::{Basic, EffectInstance, Unit};
 
-use crate::declared::Given;
 use crate::design::{Rows, Scales};
-use crate::determined::wandering;
 use crate::directions::frame;
-use crate::effects::{Following, asked, following, taken_off};
-use crate::fitted::Fitted;
-use crate::kalman::WHITE;
+use crate::effects::{asked, following, taken_off};
+use crate::given::Given;
 use crate::model::{Model, Parameter, State};
 use crate::noise::Groups;
 use crate::read::{Series, Source, is_stated, read};
-use crate::solved::{Detail, Solved};
+use crate::solved::{Solved, wandering};
 use crate::terms::ONE;
 use crate::{Error, Options, checks, start};
 
@@ -27,12 +24,10 @@ const REWEIGHTINGS: usize = 30;
 /// Weights that change by less are settled.
 const SETTLED: f64 = 1e-6;
 
-/// Finds the calibration.
+/// Finds the calibration, with the rows that were used, without what the effects of the model add.
 ///
-/// # Errors
-///
-/// As [`read`] and [`crate::fit::fit`]; rotations that do not determine the calibration.
-pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail), Error> {
+/// Errors: as [`read`] and [`crate::fit::fit`]; rotations that do not determine the calibration.
+pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Vec<Series>), Error> {
     let (unit, mut series) = read(document, options)?;
     let mut left_out = checks::saturated(checks::without_saturated(&mut series));
     let repeated = checks::without_repeated(&mut series);
@@ -59,57 +54,50 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Detail),
     // What is fitted anew is not taken off.
     adopted.retain(|one| !effects.iter().any(|other| replaces(other, one)));
     let stated = stated_magnitude(document, &series)?;
-    let mut given = Given { constant, stated, ..Given::of(document, options, unit, scales) };
+    let mut given = Given::of(document, &options.fit, unit, scales)?;
+    (given.constant, given.stated) = (constant, stated);
     if !series.iter().any(|one| matches!(one.source, Source::Scalar | Source::Ambient)) {
         given.reference = 0.0;
     }
 
-    let (mut current, mut follow) = (series.clone(), Following::nothing(series.len()));
-    let fit = |current: &[Series], follow: &Following, before: Option<&Fitted>| {
-        let mut more = follow.parameters.clone();
-        if options.reference_offset && !constant {
+    let fit = |current: &[Series], effects: Vec<Parameter>, before: Option<&Solved>| {
+        let mut more = effects;
+        if options.fit.reference_offset && !constant {
             more.push(Parameter::ReferenceOffset);
         }
         if constant || stated.is_some() {
             more.push(Parameter::Magnitude);
         }
-        let model = Model::new(ONE + 1 + follow.columns[0].len(), more);
-        let rows = Rows::new(current, scales, &follow.columns);
+        let model = Model::new(ONE + 1 + current[0].follows.len(), more);
+        let rows = Rows::new(current, scales);
         let plain = rows.factor(&model.terms);
-        Fitted::of(&given, model, &rows, before, plain)
+        Solved::fit(given.clone(), model, &rows, before, plain)
     };
-    let mut fitted = fit(&current, &follow, None)?;
+    let mut solved = fit(&series, Vec::new(), None)?;
+    let mut current = series.clone();
     let rounds = if effects.is_empty() && adopted.is_empty() { 1 } else { ROUNDS };
     for _ in 1..rounds {
-        let basic = basic(&fitted.found.state, &scales, &given.mu);
+        let basic = basic(&solved.found.state, &scales, &given.mu);
         current = taken_off(document, &series, &basic, &adopted)?;
-        follow = following(document, &current, &scales, &basic, &effects)?;
-        fitted = fit(&current, &follow, Some(&fitted))?;
+        let parameters = following(document, &mut current, &scales, &basic, &effects)?;
+        solved = fit(&current, parameters, Some(&solved))?;
     }
+    solved.effects = effects;
     if options.robust {
-        let mut rows = Rows::new(&current, scales, &follow.columns);
-        let keep = kept(&given, &fitted, &mut rows)?;
+        let keep = kept(&solved, &mut Rows::new(&current, scales))?;
         let count = keep.iter().flatten().filter(|keep| !**keep).count();
         left_out.push(("outliers (--robust)".into(), count as u64));
-        for ((one, columns), keep) in current.iter_mut().zip(&mut follow.columns).zip(&keep) {
-            checks::retain(one, keep);
-            columns.iter_mut().for_each(|column| *column = checks::those(column, keep));
-        }
-        let rows = Rows::new(&current, scales, &follow.columns);
-        fitted.plain = rows.factor(&fitted.model.terms);
-        fitted.found = fitted.again(&given, &fitted.plain, &fitted.found.state)?;
+        current.iter_mut().zip(&keep).for_each(|(one, keep)| checks::retain(one, keep));
+        solved.plain = Rows::new(&current, scales).factor(&solved.model.terms);
+        solved.found = solved.again(&solved.plain, &solved.found.state)?;
     }
-    let data = (current, follow.columns);
-    let (mut solved, detail) =
-        fitted.solved(&given, data, (effects, follow.units), |fitted, rows, declared, unit_nt| {
-            let Some(groups) = Groups::of(rows, &fitted.model, &fitted.found, true) else { return Ok(None) };
-            let forms = (declared.unwrap_or(WHITE), declared.is_none(), unit_nt);
-            groups.average(&mut fitted.found, (&fitted.held, &fitted.known), forms)
-        })?;
+    let rows = Rows::new(&current, scales);
+    let groups = |solved: &Solved| Groups::of(&rows, &solved.model, &solved.found, true);
+    solved.finish(&rows, groups, Groups::average)?;
     told.extend(wandering(&solved));
     solved.scalar.findings = told;
     solved.scalar.left_out.extend(left_out);
-    Ok((solved, detail))
+    Ok((solved, current))
 }
 
 /// The chain that a state means; its coils are none.
@@ -144,10 +132,8 @@ fn unlike(series: &mut Vec<Series>) -> Option<String> {
 
 /// Relative standard uncertainty of a stated magnitude.
 ///
-/// # Errors
-///
-/// Magnitudes that are stated with an uncertainty beside another reference, or several: each would need a
-/// scale of its own.
+/// Errors: magnitudes that are stated with an uncertainty beside another reference, or several: each would
+/// need a scale of its own.
 fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
         let stated = document.recordings[one.index].conditions.extra.get(crate::read::MAGNITUDE)?;
@@ -169,13 +155,11 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
 /// fits with weights until these settle. Of normal errors one in 350 000 is left out, so that the fit of the
 /// others is that of least squares.
 ///
-/// # Errors
-///
-/// [`Error::Unanswerable`] where more than half of the residuals are zero.
-fn kept(given: &Given<'_>, fitted: &Fitted, rows: &mut Rows<'_>) -> Result<Vec<Vec<bool>>, Error> {
-    let mut state = fitted.found.state.clone();
+/// Errors: [`Error::Unanswerable`] where more than half of the residuals are zero.
+fn kept(solved: &Solved, rows: &mut Rows<'_>) -> Result<Vec<Vec<bool>>, Error> {
+    let mut state = solved.found.state.clone();
     for _ in 0..REWEIGHTINGS {
-        let residuals = rows.residuals(&fitted.model, &state);
+        let residuals = rows.residuals(&solved.model, &state);
         let mut sizes: Vec<f64> = residuals.iter().flatten().map(|value| value.abs()).collect();
         let scale = scale_of(&mut sizes);
         if scale <= 0.0 || scale.is_nan() {
@@ -196,8 +180,7 @@ fn kept(given: &Given<'_>, fitted: &Fitted, rows: &mut Rows<'_>) -> Result<Vec<V
         if change < SETTLED {
             break;
         }
-        let plain = rows.factor(&fitted.model.terms);
-        state = fitted.again(given, &plain, &state)?.state;
+        state = solved.again(&rows.factor(&solved.model.terms), &state)?.state;
     }
     let no_scale = "more than half of the residuals are zero; --robust cannot estimate a scale";
     let weights = rows.weights.take().ok_or_else(|| Error::Unanswerable(no_scale.into()))?;

@@ -5,15 +5,14 @@ use common::{Axis, Document};
 use estimate::Svd;
 use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
-use physics::{Basic, Unit};
+use physics::Unit;
 
 use crate::Error;
-use crate::declared::Given;
 use crate::design::Scales;
-use crate::factor::Factor;
+use crate::given::Given;
 use crate::model::{Model, NINE, PAIRS, State};
 use crate::read::{Series, Source, sensitivity};
-use crate::terms::ONE;
+use crate::terms::{Factor, ONE};
 
 /// Singular values of the linear fit below this share of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -45,32 +44,10 @@ pub fn scales_of(document: &Document, unit: Unit, mean_nt: Option<f64>, swing: f
     Scales { magnitude_nt, sensitivity: stated.map(|stated| stated.unwrap_or(nominal)) }
 }
 
-/// The states to begin from, the nine parameters of each followed by the others' neutral values.
-pub fn starts(given: &Given<'_>, model: &Model, factor: &Factor) -> Result<Vec<State>, Error> {
-    let stated = stated(given.document, given.unit, &given.scales);
-    let ellipsoid = ellipsoid(model, factor)?;
-    let nominal = model.nominal();
-    let with = |nine: [f64; NINE]| {
-        let mut state = nominal.clone();
-        state[..NINE].copy_from_slice(&nine);
-        state
-    };
-    Ok(std::iter::once(with(stated)).chain(ellipsoid.map(with)).collect())
-}
-
-/// The nine parameters as the document states them; nominal where it does not.
-pub fn stated(document: &Document, unit: Unit, scales: &Scales) -> [f64; NINE] {
-    let basic = Basic::found(document, unit);
-    let mut nine = [0.0; NINE];
-    for axis in 0..3 {
-        nine[axis] =
-            sensitivity(document, unit, Axis::ALL[axis]).map_or(1.0, |k| k / scales.sensitivity[axis]);
-        nine[3 + axis] = basic.sensors[axis].offset_nt / scales.magnitude_nt;
-    }
-    for (place, [a, b]) in PAIRS.iter().enumerate() {
-        nine[6 + place] = basic.mu.column(*a).dot(&basic.mu.column(*b));
-    }
-    nine
+/// The states to begin from.
+pub fn starts(given: &Given, model: &Model, factor: &Factor) -> Result<Vec<State>, Error> {
+    let all = std::iter::once(given.nine).chain(ellipsoid(model, factor)?);
+    Ok(all.map(|nine| model.with(&nine)).collect())
 }
 
 /// The ellipsoid vᵀAv + bᵀv + c = m² F² with trace A = 3 by linear least squares, in the nine parameters;
@@ -140,8 +117,7 @@ mod tests {
         let (unit, series) = read::read(&document, &Options::default()).expect("recordings");
         let scales = scales(&document, unit, &series);
         let model = Model::new(ONE + 1, []);
-        let follows = [Vec::new()];
-        let rows = Rows::new(&series, scales, &follows);
+        let rows = Rows::new(&series, scales);
         let found = ellipsoid(&model, &rows.factor(&model.terms)).expect("a fit").expect("an ellipsoid");
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");

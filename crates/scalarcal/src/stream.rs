@@ -3,13 +3,12 @@
 //! What white-noise rows say of the calibration is in the triangular factor of their products
 //! ([`crate::terms`]). Kept are such factors by windows of time that double in width as the series grows
 //! ([`windows`]), apart for rows at the ends of the sensors' ranges until it is known whether readings are
-//! piled up there ([`crate::ends`]), and a sample of rows ([`sample`]), which shows how the sensors were
+//! piled up there ([`crate::checks`]), and a sample of rows, which shows how the sensors were
 //! turned.
 
 mod answer;
 mod memory;
 mod partial;
-mod sample;
 mod windows;
 
 pub use self::partial::{Error, Partial};
@@ -21,12 +20,10 @@ use physics::Unit;
 
 use crate::read::{Source, columns, unit_of};
 use crate::terms::{ONE, Terms};
-use windows::Windows;
 
 /// Takes a piece of a series row by row.
 pub struct Statistics {
     partial: Partial,
-    windows: Windows,
     terms: Terms,
     products: Vec<f64>,
     taken: u64,
@@ -41,7 +38,6 @@ impl Statistics {
         let terms = Terms::new(ONE + 1);
         Self {
             partial: Partial::new(unit, source),
-            windows: Windows::new(terms.count()),
             products: vec![0.0; terms.count()],
             terms,
             taken: 0,
@@ -76,12 +72,10 @@ impl Statistics {
         self.partial.repeated += u64::from(readings == self.before);
         self.before = readings;
         let (at, moved) = self.partial.ends.take(readings);
-        if moved != 0 {
-            self.windows.no_longer(moved);
-        }
+        self.partial.windows.no_longer(moved);
         let [x, y, z] = readings;
         self.terms.fill(&[x, y, z, 1.0, magnitude_nt], &mut self.products);
-        self.windows.row(at, time_s, &self.products);
+        self.partial.windows.row(at, time_s, &self.products);
         self.partial.sample.take([time_s, x, y, z, magnitude_nt]);
         Ok(())
     }
@@ -146,7 +140,7 @@ impl Take for Statistics {
         if self.taken > 0 {
             self.partial.covered = Covered::of(self.first_s, self.last_s);
         }
-        self.partial.windows = self.windows.closed();
+        self.partial.windows.settle();
         Ok(self.partial)
     }
 }

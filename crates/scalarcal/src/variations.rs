@@ -7,7 +7,7 @@ use common::{Axis, Document, Noise, Quantity, ScalarCalibration, ScalarParameter
 use explain::{Amplitude, Cause, Covariate};
 use paired::magnitude::{Level, Readings};
 use paired::{Acting, Asked};
-use physics::{Basic, Unit};
+use physics::{Basic, References, Unit};
 
 use crate::directions::unmixed;
 use crate::read::{Series, Source, along, read};
@@ -71,7 +71,9 @@ fn readings(document: &Document, series: &[Series], unit: Unit) -> Readings {
     let mut all = Readings::default();
     let unmix = unmixed(&Basic::found(document, unit).mu);
     for one in series {
-        let (clock, [x, y, z]) = (clock_s(document, one), along(document, unit, one));
+        let start = document.recordings[one.index].start().zip(References::of(document).beginning_s);
+        let (clock, [x, y, z]) =
+            (start.map_or(0.0, |(start, first)| start.unix_s - first), along(document, unit, one));
         for (row, time_s) in one.time_s.iter().flatten().enumerate() {
             all.time_s.push(time_s + clock);
             all.b.push((unmix * nalgebra::Vector3::new(x[row], y[row], z[row])).into());
@@ -79,13 +81,6 @@ fn readings(document: &Document, series: &[Series], unit: Unit) -> Readings {
         }
     }
     all
-}
-
-/// From the beginning of the earliest recording to that of this one, s.
-fn clock_s(document: &Document, one: &Series) -> f64 {
-    let starts = document.recordings.iter().filter_map(|recording| recording.start());
-    let earliest = starts.map(|start| start.unix_s).fold(f64::INFINITY, f64::min);
-    document.recordings[one.index].start().map_or(0.0, |start| start.unix_s - earliest)
 }
 
 /// Rms of |b| − F about its mean, with the calibration as it was stated.

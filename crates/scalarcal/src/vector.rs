@@ -14,44 +14,34 @@ use common::{Document, VectorFit};
 use estimate::Svd;
 use faer::{Col, Mat};
 use nalgebra::{Matrix3, Rotation3};
-use physics::Basic;
 use physics::frames::ARCSEC;
 
-use crate::declared::declared_form;
+use crate::design::Rows;
 use crate::directions::{frame, nearest, turned};
 use crate::fit::FittedState;
 use crate::kalman::WHITE;
 use crate::known_field::Vectors;
 use crate::linear::{Linear, RANK_TOLERANCE, root};
 use crate::model::{Model, Parameter};
-use crate::solved::{Detail, Solved};
-use crate::weakest;
-use crate::{Error, Options};
+use crate::read::Series;
+use crate::solved::Solved;
+use crate::{Error, weakest};
 
 /// Rounds in which parameters, directions and weights settle.
 const ROUNDS: usize = 3;
 /// A combination of the parameters that is uncertain by more than this share of the field is not determined.
 const UNDETERMINED: f64 = 0.1;
-/// The attitude is the inverse one where that leaves less than this share of the residual.
-const INVERSE: f64 = 0.1;
 
 /// Takes what the direction of the field says into a calibration by its magnitude.
 ///
-/// # Errors
-///
-/// A recording without field or attitude; attitudes that do not determine the calibration.
-pub fn solve(
-    document: &Document,
-    mut solved: Solved,
-    detail: &Detail,
-    options: &Options,
-) -> Result<Solved, Error> {
-    let mut vectors = Vectors::read(document, detail.rows(solved.scales))?;
-    let stated = Basic::found(document, solved.unit).mu;
-    let start = vectors.start(&solved.model)?;
-    let axes = nearest(&start.mu, &stated);
+/// Errors: a recording without field or attitude; attitudes that do not determine the calibration.
+pub fn solve(document: &Document, mut solved: Solved, series: &[Series]) -> Result<Solved, Error> {
+    let (scales, stated) = (solved.given.scales, solved.given.mu);
+    let mut vectors = Vectors::read(document, Rows::new(series, scales))?;
+    let (start, inverse) = vectors.start(&solved.model)?;
+    let axes = nearest(&start, &stated);
     solved.scalar.findings.extend(axes.told());
-    if start.inverse_rms < INVERSE * start.rms {
+    if inverse {
         solved.scalar.findings.push(
             "the readings agree with the inverse of the attitude: attitude_{w,x,y,z} must be GEO → SEN; reverse the signs of x, y and z".into(),
         );
@@ -60,30 +50,22 @@ pub fn solve(
     let before = solved.found.state.len();
     solved.model.parameters.extend((0..3).map(Parameter::Turn));
     solved.found.state.extend([0.0; 3]);
-    solved.beforehand.rows = solved.beforehand.rows.padded(count);
     // Beside a scalar magnetometer the calibration by the magnitude is held as it was found, with its
     // covariance.
     let by_magnitude = solved.found.clone();
-    let mut apart = Linear::none(count);
-    solved.held = Linear::none(count);
-    if vectors.scalar {
-        solved.held = known(&solved.found, before).padded(count);
-        solved.known = solved.held.clone();
-    } else {
-        if options.known {
-            apart = solved.beforehand.rows.clone();
-        }
-        solved.known = apart.clone();
-    }
+    solved.held =
+        if vectors.scalar { known(&solved.found, before).padded(count) } else { Linear::none(count) };
+    let prior = solved.given.known && !vectors.scalar;
+    solved.known = if prior { solved.given.prior.padded(count) } else { solved.held.clone() };
     let sensor = solved.found.sensor;
-    let mut mu = frame(&solved.found.state, &start.mu);
+    let mut mu = frame(&solved.found.state, &start);
     let mut spread = vectors.spread(&solved.model, &solved.found.state, &mu);
     let mut noise = None;
     for round in 0..=ROUNDS {
         solved.found.state[before..].fill(0.0);
         vectors.share = if sensor > 0.0 { 1.0 - (sensor / spread.along).min(1.0) } else { 0.0 };
         let groups = vectors.groups(&solved.model, &solved.found.state, &mu, spread);
-        let base = declared_form(document, Some(spread.along), &solved.scales);
+        let base = solved.given.form(spread.along);
         let freedom = (groups.rows - count as f64).max(1.0);
         let linear = groups.linear(WHITE, spread.along * groups.rows / freedom, true);
         let Some(linear) = linear else { break };
@@ -100,10 +82,10 @@ pub fn solve(
         } else {
             let averaged = groups.average(
                 &mut solved.found,
-                (&solved.held, &apart),
+                (&solved.held, &solved.known),
                 // What the sensors declare of their memory may be too small beside the noise of the field to
                 // be found.
-                (base.unwrap_or(WHITE), true, solved.scales.magnitude_nt),
+                (base.unwrap_or(WHITE), true, scales.magnitude_nt),
             )?;
             noise = averaged;
             solved.found.freedom = freedom;
@@ -124,7 +106,7 @@ pub fn solve(
     solved.found.state[before..].copy_from_slice(turn.scaled_axis().as_slice());
     solved.found.variance = spread.along;
     solved.mu = mu;
-    let rms = |variance: f64| variance.sqrt() * solved.scales.magnitude_nt;
+    let rms = |variance: f64| variance.sqrt() * scales.magnitude_nt;
     solved.scalar.vector = Some(VectorFit {
         moments: spread.moments as u64,
         rms_along_nt: rms(spread.along),

@@ -1,7 +1,9 @@
 //! What the rotations show least, and the rotation that would show it.
 
 use common::WeakestDirection;
+use common::covariance::between;
 use common::number::{significant, vector};
+use estimate::positive::Positive;
 use faer::{Mat, RowRef, Side};
 use indexmap::IndexMap;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -63,10 +65,12 @@ pub fn weakest(
             let more = information_of(model, state, &turned, mu)?;
             let total = &information + more * faer::Scale(weight);
             let Some((after, _)) = least(&total) else { continue };
-            let inverse = variance_along(&total, &weakest);
+            // vᵀ I⁻¹ v.
+            let along = |all: Positive| between(&all.inverse, &weakest, &weakest);
+            let variance = Positive::of(&total).map_or(f64::INFINITY, along);
             if best.as_ref().is_none_or(|(before, ..)| after > *before * 1.1) {
                 let words = format!("turned by {angle}° about its {name} axis");
-                best = Some((after, inverse.sqrt() * magnitude_nt, words));
+                best = Some((after, variance.sqrt() * magnitude_nt, words));
             }
         }
     }
@@ -112,17 +116,6 @@ pub fn least(information: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     let largest = values.iter().copied().fold(0.0, f64::max);
     let value = if values[place] > 1e-15 * largest { values[place] } else { 0.0 };
     Some((value, (0..values.nrows()).map(|i| own.U()[(i, place)]).collect()))
-}
-
-/// vᵀ I⁻¹ v.
-fn variance_along(information: &Mat<f64>, vector: &[f64]) -> f64 {
-    let Ok(own) = information.self_adjoint_eigen(Side::Lower) else { return f64::INFINITY };
-    (0..vector.len())
-        .map(|k| {
-            let share: f64 = (0..vector.len()).map(|i| own.U()[(i, k)] * vector[i]).sum();
-            share * share / own.S()[k].max(f64::MIN_POSITIVE)
-        })
-        .sum()
 }
 
 /// Derivatives of |B| by the parameters at some fields, unweighted, as their information; effects do not act

@@ -17,10 +17,7 @@ const OBLIQUE: f64 = 0.5;
 /// What was found, with ± and units, and what looks wrong.
 pub fn summary(document: &Document) -> String {
     let scalar = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
-    scalar.map(|scalar| describe(scalar)).unwrap_or_default()
-}
-
-fn describe(scalar: &ScalarCalibration) -> String {
+    let Some(scalar) = scalar else { return String::new() };
     let three = |value: f64| significant(value, 3);
     let rows = |count: u64| counted(count as usize, "row");
     let before = scalar.rms_before_nt.map(|rms| format!("{} → ", significant(rms, 4))).unwrap_or_default();
@@ -141,7 +138,8 @@ pub(crate) fn findings(solved: &Solved, scalar: &ScalarCalibration) -> Vec<Strin
         );
     }
     let state = &solved.found.state;
-    let sizes: Vec<f64> = (0..3).map(|axis| (state[axis] * solved.scales.sensitivity[axis]).abs()).collect();
+    let sizes: Vec<f64> =
+        (0..3).map(|axis| (state[axis] * solved.given.scales.sensitivity[axis]).abs()).collect();
     let (low, high) =
         (sizes.iter().copied().fold(f64::INFINITY, f64::min), sizes.iter().copied().fold(0.0, f64::max));
     if high > UNLIKE * low {

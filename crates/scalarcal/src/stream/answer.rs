@@ -5,61 +5,48 @@ use common::{Axis, Document};
 use super::memory;
 use super::partial::Partial;
 use super::windows::Window;
-use crate::declared::Given;
 use crate::design::{Rows, Scales};
-use crate::ends;
-use crate::factor::Factor;
 use crate::fit::{FittedState, variance};
-use crate::fitted::Fitted;
+use crate::given::Given;
 use crate::kalman::WHITE;
 use crate::model::{Model, Parameter, State};
 use crate::noise::Groups;
 use crate::read::{self, Series, Source};
-use crate::seen::{self, Part, before, reference_offset};
-use crate::solved::{Detail, Solved};
-use crate::terms::{ONE, Terms};
-use crate::{Error, Options, checks, result, start, words};
+use crate::seen::{self, Part};
+use crate::solved::Solved;
+use crate::terms::{Factor, ONE, Terms};
+use crate::{Error, FitOptions, checks, result, start, words};
 
 /// What is said where noise with memory was not looked for.
 const NO_MEMORY: &str = "correlated noise was not estimated, because there are too few rows or windows, or the noise is too large: the uncertainties assume white noise";
-/// A window with its place.
-type Placed = (i64, Window);
 /// Readings are those of another sensor where they differ by less than this share of their squares.
 const SAME: f64 = 1e-14;
 
 /// Calibrates the sensors by what is kept of a series, and writes them into a document, which states what is
 /// known of instrument and facility. Its recordings are not read.
 ///
-/// # Errors
-///
-/// As [`crate::run`]; a document whose model has effects, which could be taken off rows only; options that
-/// need rows.
-pub fn document(partial: &Partial, document: Document, options: &Options) -> Result<Document, Error> {
+/// Errors: as [`crate::run`]; a document whose model has effects, which could be taken off rows only.
+pub fn document(partial: &Partial, document: Document, options: &FitOptions) -> Result<Document, Error> {
     adopted(partial, document, options).map_err(words::failed)
 }
 
-fn adopted(partial: &Partial, mut document: Document, options: &Options) -> Result<Document, Error> {
-    let (mut solved, detail, windows) = solve(partial, &document, options)?;
+fn adopted(partial: &Partial, mut document: Document, options: &FitOptions) -> Result<Document, Error> {
+    let (mut solved, series, windows) = solve(partial, &document, options)?;
     if options.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same series";
         let expected = "one from another source: with --known each reading would count twice";
         return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
-    seen(partial, &document, &mut solved, &detail, &windows, options)?;
-    result::adopt(&mut document, solved, &detail, options)?;
+    seen(partial, &document, &mut solved, &windows, options)?;
+    result::adopt(&mut document, solved, &[series])?;
     Ok(document)
 }
 
 fn solve(
     partial: &Partial,
     document: &Document,
-    options: &Options,
-) -> Result<(Solved, Detail, Vec<Placed>), Error> {
-    if options.robust || options.constant_magnitude || options.vector || !options.with.is_empty() {
-        let message =
-            "--robust, --constant-magnitude, --vector and --with need rows, which a stream does not keep";
-        return Err(Error::Request(message.into()));
-    }
+    options: &FitOptions,
+) -> Result<(Solved, Series, Vec<Window>), Error> {
     let adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
     if !adopted.is_empty() {
         let found = "effects, which a stream cannot subtract from the readings";
@@ -68,7 +55,7 @@ fn solve(
     }
     let (windows, left_out) = used(partial);
     let columns = Terms::new(ONE + 1).count();
-    let raw = Factor::joined(columns, windows.iter().map(|(_, window)| &window.factor));
+    let raw = Factor::joined(columns, windows.iter().map(|window| &window.factor));
     if raw.rows == 0 {
         return Err(Error::Request(
             "no row in which all three sensors and the reference were read; expected rows without a null"
@@ -79,44 +66,33 @@ fn solve(
     let mean_nt = raw.product(columns - 2, columns - 1) / raw.product(columns - 2, columns - 2);
     let swing = (0..3).filter_map(|axis| partial.ends.range(axis)).map(|[high, low]| 0.5 * (high - low));
     let scales = start::scales_of(document, partial.unit(), Some(mean_nt), swing.fold(0.0, f64::max));
-    let given = Given::of(document, options, partial.unit(), scales);
+    let given = Given::of(document, options, partial.unit(), scales)?;
     let model = Model::new(ONE + 1, options.reference_offset.then_some(Parameter::ReferenceOffset));
     let by = column_scales(&model.terms, &scales);
-    let scaled = |(place, one): Placed| (place, Window { factor: one.factor.scaled(&by), ..one });
-    let windows: Vec<Placed> = windows.into_iter().map(scaled).collect();
-    let (series, follows) = (vec![sample(partial)], vec![Vec::new()]);
-    let rows = Rows::new(&series, scales, &follows);
-    let fitted = Fitted::of(&given, model, &rows, None, raw.scaled(&by))?;
-    let mut told = None;
-    let none = (Vec::new(), Vec::new());
-    let (mut solved, detail) =
-        fitted.solved(&given, (series, follows), none, |fitted, _, declared, unit_nt| {
-            let noise = match groups(&windows, &fitted.model, &fitted.found) {
-                Some(groups) => {
-                    let known = (&fitted.held, &fitted.known);
-                    memory::widen(&groups, &mut fitted.found, known, (declared, unit_nt))?
-                }
-                None => None,
-            };
-            told = noise.is_none().then(|| NO_MEMORY.to_string());
-            Ok(noise)
-        })?;
-    solved.scalar.findings.extend(told);
+    let scaled = |one: Window| Window { factor: one.factor.scaled(&by), ..one };
+    let windows: Vec<Window> = windows.into_iter().map(scaled).collect();
+    let series = sample(partial);
+    let rows = Rows::new(std::slice::from_ref(&series), scales);
+    let mut solved = Solved::fit(given, model, &rows, None, raw.scaled(&by))?;
+    let groups = |solved: &Solved| groups(&windows, &solved.model, &solved.found);
+    if !solved.finish(&rows, groups, memory::widen)? && !solved.white {
+        solved.scalar.findings.push(NO_MEMORY.into());
+    }
     solved.scalar.left_out.extend(left_out);
-    Ok((solved, detail, windows))
+    Ok((solved, series, windows))
 }
 
 /// The windows without rows in which an output stands at the end of its range, and how many these are by
 /// sensor.
-fn used(partial: &Partial) -> (Vec<Placed>, Vec<(String, u64)>) {
+fn used(partial: &Partial) -> (Vec<Window>, Vec<(String, u64)>) {
     let piles = partial.ends.piles();
     let mut left_out = [0; 3];
-    let mut windows: Vec<Placed> = Vec::new();
-    for (place, at, window) in partial.windows.iter() {
-        match (ends::sensor(at & piles), windows.last_mut()) {
+    let mut windows: Vec<Window> = Vec::new();
+    for window in &partial.windows.windows {
+        match (checks::sensor_at(window.at & piles), windows.last_mut()) {
             (Some(axis), _) => left_out[axis.index()] += window.factor.rows,
-            (None, Some((last, own))) if *last == place => own.join(window),
-            (None, _) => windows.push((place, window.clone())),
+            (None, Some(last)) if last.place == window.place => last.join(window),
+            (None, _) => windows.push(window.clone()),
         }
     }
     (windows, checks::saturated(left_out))
@@ -183,14 +159,15 @@ fn sample(partial: &Partial) -> Series {
         rows: (0..kept.len()).collect(),
         readings: [column(1), column(2), column(3)],
         magnitude_nt: column(4),
+        follows: Vec::new(),
         source: partial.source(),
         missing: partial.missing as usize,
     }
 }
 
-fn groups(windows: &[Placed], model: &Model, found: &FittedState) -> Option<Groups> {
+fn groups(windows: &[Window], model: &Model, found: &FittedState) -> Option<Groups> {
     let factors: Vec<([f64; 2], &Factor)> =
-        windows.iter().map(|(_, window)| (window.span_s, &window.factor)).collect();
+        windows.iter().map(|window| (window.span_s, &window.factor)).collect();
     Groups::of_factors(&factors, model, found)
 }
 
@@ -199,32 +176,28 @@ fn seen(
     partial: &Partial,
     document: &Document,
     solved: &mut Solved,
-    detail: &Detail,
-    windows: &[Placed],
-    options: &Options,
+    windows: &[Window],
+    options: &FitOptions,
 ) -> Result<(), Error> {
-    let Solved { model, found, scales, .. } = &*solved;
-    let upper = detail.plain.upper();
-    let rows = detail.plain.rows as f64;
-    let rms_nt = |state: &State| variance(model, &upper, state, rows).sqrt() * scales.magnitude_nt;
+    let Solved { model, found, plain, .. } = &*solved;
+    let (upper, rows) = (plain.upper(), plain.rows as f64);
+    let size_nt = solved.given.scales.magnitude_nt;
+    let rms_nt = |state: &State| variance(model, &upper, state, rows).sqrt() * size_nt;
     // Columns ½ and F/2.
     let (half, whole) = (model.terms.count() - 2, model.terms.count() - 1);
-    let product = |a: usize, b: usize| detail.plain.product(a, b);
+    let product = |a: usize, b: usize| plain.product(a, b);
     let varies = product(whole, whole) - product(half, whole).powi(2) / product(half, half);
-    let varies_nt = (4.0 * varies.max(0.0) / rows).sqrt() * scales.magnitude_nt;
+    let varies_nt = (4.0 * varies.max(0.0) / rows).sqrt() * size_nt;
     let about = |model: &Model, found: &FittedState| {
         if solved.form == WHITE {
-            Groups::of_factors(&[([0.0; 2], &detail.plain)], model, found)
+            Groups::of_factors(&[([0.0; 2], plain)], model, found)
         } else {
             groups(windows, model, found)
         }
     };
-    let (now, before) = (rms_nt(&found.state), before(document, solved).map(|state| rms_nt(&state)));
-    let reference_offset = reference_offset(solved, varies_nt, about)?;
-    let stability = seen::stability(solved, parts(partial, solved, windows, options))?;
-    let scalar = &mut solved.scalar;
-    (scalar.rms_nt, scalar.rms_before_nt) = (now, before);
-    (scalar.reference_offset, scalar.stability) = (reference_offset, stability);
+    let parts = parts(partial, solved, windows, options);
+    let mut scalar =
+        seen::beside(document, solved, (rms_nt(&found.state), rms_nt), (varies_nt, about), parts)?;
     scalar.findings.extend(checks::repeats(partial.repeated, partial.rows));
     let width_s = f64::from(partial.windows.level).exp2();
     if let Some(length) = options.windows_s.filter(|length| width_s > 2.0 * length) {
@@ -232,13 +205,14 @@ fn seen(
             "windows of {width_s} s are the shortest kept for a series of this length; {length} s were requested"
         ));
     }
+    solved.scalar = scalar;
     Ok(())
 }
 
 /// Windows as long as those that are asked for, or the eight at most into which they go.
-fn parts(partial: &Partial, solved: &Solved, windows: &[Placed], options: &Options) -> Vec<Part> {
-    let Solved { model, found, scales, .. } = solved;
-    let joined = |shift: u32| windows.chunk_by(move |one, next| one.0 >> shift == next.0 >> shift);
+fn parts(partial: &Partial, solved: &Solved, windows: &[Window], options: &FitOptions) -> Vec<Part> {
+    let Solved { given, model, found, .. } = solved;
+    let joined = |shift: u32| windows.chunk_by(move |one, next| one.place >> shift == next.place >> shift);
     let shift = match options.windows_s {
         Some(length) => (length.log2().ceil() - f64::from(partial.windows.level)).clamp(0.0, 62.0) as u32,
         None => {
@@ -247,12 +221,12 @@ fn parts(partial: &Partial, solved: &Solved, windows: &[Placed], options: &Optio
             (0..62).find(|shift| joined(*shift).count() <= most).unwrap_or(62)
         }
     };
-    let of = |part: &[Placed]| {
-        let mut all = part[0].1.clone();
-        part[1..].iter().for_each(|(_, window)| all.join(window));
+    let of = |part: &[Window]| {
+        let mut all = part[0].clone();
+        part[1..].iter().for_each(|window| all.join(window));
         let rows = all.factor.rows;
         let squares = variance(model, &all.factor.upper(), &found.state, rows as f64);
-        let rms_nt = squares.sqrt() * scales.magnitude_nt;
+        let rms_nt = squares.sqrt() * given.scales.magnitude_nt;
         Part { span_s: all.span_s, rows, rms_nt, groups: groups(part, model, found) }
     };
     joined(shift).map(of).collect()

@@ -10,13 +10,14 @@
 
 use common::Noise;
 use estimate::Svd;
+use estimate::positive::Positive;
 use faer::{Col, ColRef, Mat};
 
 use crate::Error;
 use crate::fit::FittedState;
 use crate::kalman::{Form, WHITE};
-use crate::linear::{Linear, RANK_TOLERANCE, deviations, root, unit};
-use crate::noise::{Average, Groups};
+use crate::linear::{Linear, RANK_TOLERANCE, deviations, root};
+use crate::noise::{Average, Groups, average, heaviest};
 
 /// Fewer windows than these do not show a scatter.
 const FEWEST: usize = 8;
@@ -31,21 +32,18 @@ const NOISE_TAKES: f64 = 0.1;
 /// What noise adds to the products is taken off the fit of white noise alone, and its covariance holds it:
 /// forms move both as they move those of the products as they are.
 ///
-/// # Errors
-///
-/// [`Error::Fit`] where a decomposition fails.
+/// Errors: [`Error::Fit`] where a decomposition fails.
 pub fn widen(
     groups: &Groups,
     found: &mut FittedState,
     (held, known): (&Linear, &Linear),
-    (declared, magnitude_nt): (Option<Form>, f64),
+    (base, searched, magnitude_nt): (Form, bool, f64),
 ) -> Result<Option<(Form, Noise)>, Error> {
-    let Some(forms) = groups.weighed(held, (declared.unwrap_or(WHITE), declared.is_none())) else {
-        return Ok(None);
-    };
+    let Some(forms) = groups.weighed(held, (base, searched)) else { return Ok(None) };
+    let Some(heaviest) = heaviest(&forms) else { return Ok(None) };
     let Some(white) = groups.linear(WHITE, found.variance, true) else { return Ok(None) };
-    let (all, heaviest, count) = (held.and(known), forms.heaviest(), found.state.len());
-    let together = white.and(&all.about(&found.state));
+    let count = found.state.len();
+    let together = white.and(&known.about(&found.state));
     let plain = together.svd()?;
     let (before, covariance) = (plain.solve(&together.right), plain.covariance());
     if (0..count).any(|k| covariance[(k, k)] < (1.0 - NOISE_TAKES) * found.covariance[(k, k)]) {
@@ -53,9 +51,9 @@ pub fn widen(
     }
     let scatter = groups
         .each_whitened(heaviest.form)
-        .and_then(|windows| scatter(&windows, heaviest.variance, &all))
+        .and_then(|windows| scatter(&windows, heaviest.variance, known))
         .unwrap_or_else(|| vec![1.0; count]);
-    let average = forms.average(&all, &found.state)?;
+    let joint = average(&forms, known, &found.state)?;
     let moved = |average: &Average, white: &Svd, own: &Mat<f64>| -> Option<Mat<f64>> {
         let full = average.full && white.rank() == count;
         let turn = full.then(|| turn(own, &white.covariance())).flatten()?;
@@ -63,13 +61,13 @@ pub fn widen(
         Some(Mat::from_fn(count, count, |i, j| covariance[(i, j)] * scatter[i] * scatter[j]))
     };
     let alone = if found.seen.rank() == count {
-        let average = forms.average(held, &found.state)?;
-        moved(&average, &white.and(held).svd()?, &found.seen.covariance())
+        let alone = average(&forms, held, &found.state)?;
+        moved(&alone, &white.and(held).svd()?, &found.seen.covariance())
     } else {
         None
     };
-    let Some(covariance) = moved(&average, &plain, &found.covariance) else { return Ok(None) };
-    for ((value, step), before) in found.state.iter_mut().zip(&average.step).zip(&before) {
+    let Some(covariance) = moved(&joint, &plain, &found.covariance) else { return Ok(None) };
+    for ((value, step), before) in found.state.iter_mut().zip(&joint.step).zip(&before) {
         *value += step - before;
     }
     found.covariance = covariance;
@@ -113,13 +111,7 @@ fn scatter(windows: &[Mat<f64>], variance: f64, known: &Linear) -> Option<Vec<f6
         all += normal(one);
         total += pull(one);
     }
-    let inverse = |matrix: &Mat<f64>| -> Option<Mat<f64>> {
-        let lengths = deviations(matrix);
-        let even = Mat::from_fn(count, count, |i, j| matrix[(i, j)] / (lengths[i] * lengths[j]));
-        let svd = Svd::of(even.as_ref(), 1e-13).ok().filter(|svd| svd.rank() == count)?;
-        let columns: Vec<Vec<f64>> = (0..count).map(|j| svd.solve(&unit(j, count))).collect();
-        Some(Mat::from_fn(count, count, |i, j| columns[j][i] / (lengths[i] * lengths[j])))
-    };
+    let inverse = |matrix: &Mat<f64>| Some(Positive::of(matrix).ok()?.inverse);
     let whole = inverse(&all)?;
     let best = &whole * &total;
     let mut squares = vec![0.0; count];

@@ -5,13 +5,12 @@
 //! pieces in which they came.
 
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
 
-use crate::ends::At;
-use crate::factor::Factor;
+use crate::checks::At;
+use crate::terms::Factor;
 
 /// Windows that are kept at most.
-pub const MOST: usize = 64;
+const MOST: usize = 64;
 /// log₂ of the width at the beginning, s.
 const LOWEST: i32 = -20;
 /// The same at the end, and times that are held, s: a window is then told exactly.
@@ -27,91 +26,126 @@ pub fn holds(time_s: f64) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Window {
+    pub place: i64,
+    pub at: At,
     /// First and last moment, s.
     pub span_s: [f64; 2],
     pub factor: Factor,
 }
 
 impl Window {
+    fn key(&self) -> (i64, At) {
+        (self.place, self.at)
+    }
+
     pub fn join(&mut self, other: &Self) {
         self.span_s = [self.span_s[0].min(other.span_s[0]), self.span_s[1].max(other.span_s[1])];
         self.factor.join(&other.factor);
     }
 }
 
-/// Windows by their place and the ends at which their rows stand.
+/// Windows in the order of their places and of the ends at which their rows stand.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Listed", into = "Listed")]
-pub struct Closed {
+#[serde(expecting = "an object")]
+pub struct Windows {
     /// log₂ of the width, s.
     pub level: i32,
-    windows: BTreeMap<(i64, At), Window>,
+    pub windows: Vec<Window>,
+    /// Those that are being filled, one of each of the ends: not yet among the others.
+    #[serde(skip)]
+    open: Vec<Window>,
 }
 
-/// As they are written.
-#[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
-struct Listed {
-    level: i32,
-    windows: Vec<Placed>,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(expecting = "an object")]
-struct Placed {
-    place: i64,
-    at: At,
-    #[serde(flatten)]
-    window: Window,
-}
-
-impl From<Listed> for Closed {
-    fn from(listed: Listed) -> Self {
-        let windows = listed.windows.into_iter().map(|one| ((one.place, one.at), one.window)).collect();
-        Self { level: listed.level, windows }
-    }
-}
-
-impl From<Closed> for Listed {
-    fn from(closed: Closed) -> Self {
-        let of = |((place, at), window)| Placed { place, at, window };
-        Self { level: closed.level, windows: closed.windows.into_iter().map(of).collect() }
-    }
-}
-
-impl Default for Closed {
+impl Default for Windows {
     fn default() -> Self {
-        Self { level: LOWEST, windows: BTreeMap::new() }
+        Self { level: LOWEST, windows: Vec::new(), open: Vec::new() }
     }
 }
 
-impl Closed {
-    /// Place, ends at which the rows stand, and the rows of each window, in the order of time.
-    pub fn iter(&self) -> impl Iterator<Item = (i64, At, &Window)> {
-        self.windows.iter().map(|((place, at), window)| (*place, *at, window))
+impl Windows {
+    /// Takes a row that is later than all others.
+    pub fn row(&mut self, at: At, time_s: f64, products: &[f64]) {
+        let place = (time_s * (-f64::from(self.level)).exp2()).floor() as i64;
+        let row = products.iter().copied();
+        match self.open.iter().position(|window| window.at == at) {
+            Some(number) if self.open[number].place == place => {
+                self.open[number].span_s[1] = time_s;
+                return self.open[number].factor.row(row);
+            }
+            Some(number) => {
+                let before = self.open.swap_remove(number);
+                self.close(before);
+            }
+            None => {}
+        }
+        let mut factor = Factor::new(products.len());
+        factor.row(row);
+        self.open.push(Window { place, at, span_s: [time_s, time_s], factor });
+        self.widen_to_most();
     }
 
-    fn add(&mut self, key: (i64, At), window: &Window) {
-        self.windows.entry(key).and_modify(|own| own.join(window)).or_insert_with(|| window.clone());
+    /// Puts a window that was filled among the others.
+    fn close(&mut self, mut window: Window) {
+        window.factor.settle();
+        self.windows.push(window);
+        self.gather();
+    }
+
+    /// The same of all that are being filled.
+    pub fn settle(&mut self) {
+        self.open.sort_by_key(Window::key);
+        std::mem::take(&mut self.open).into_iter().for_each(|window| self.close(window));
+    }
+
+    /// Joins what stands at one place and the same ends.
+    fn gather(&mut self) {
+        self.windows.sort_by_key(Window::key);
+        for window in std::mem::take(&mut self.windows) {
+            match self.windows.last_mut().filter(|last| last.key() == window.key()) {
+                Some(last) => last.join(&window),
+                None => self.windows.push(window),
+            }
+        }
     }
 
     fn places(&self) -> usize {
-        let mut before = None;
-        self.windows.keys().filter(|(place, _)| before.replace(*place) != Some(*place)).count()
+        let mut all: Vec<i64> = self.windows.iter().chain(&self.open).map(|window| window.place).collect();
+        all.sort_unstable();
+        all.dedup();
+        all.len()
+    }
+
+    fn widen_to_most(&mut self) {
+        while self.places() > MOST {
+            self.widen();
+        }
     }
 
     /// Makes the windows twice as wide.
     fn widen(&mut self) {
         self.level += 1;
-        for ((place, at), window) in std::mem::take(&mut self.windows) {
-            self.add((place >> 1, at), &window);
-        }
+        self.windows.iter_mut().chain(&mut self.open).for_each(|window| window.place >>= 1);
+        self.gather();
     }
 
     /// Rows that no longer stand at some ends, because others go beyond.
     pub fn no_longer(&mut self, ends: At) {
-        for (key, window) in self.windows.extract_if(.., |(_, at), _| *at & ends != 0).collect::<Vec<_>>() {
-            self.add((key.0, key.1 & !ends), &window);
+        if ends == 0 {
+            return;
+        }
+        self.windows.iter_mut().for_each(|window| window.at &= !ends);
+        self.gather();
+        self.open.sort_by_key(|window| window.at);
+        let (moved, open): (Vec<Window>, _) =
+            std::mem::take(&mut self.open).into_iter().partition(|one| one.at & ends != 0);
+        self.open = open;
+        for mut window in moved {
+            window.at &= !ends;
+            match self.open.iter().position(|other| other.at == window.at) {
+                Some(number) if self.open[number].place == window.place => self.open[number].join(&window),
+                Some(_) => self.close(window),
+                None => self.open.push(window),
+            }
         }
     }
 
@@ -122,10 +156,9 @@ impl Closed {
         while other.level < self.level {
             other.widen();
         }
-        other.windows.iter().for_each(|(key, window)| self.add(*key, window));
-        while self.places() > MOST {
-            self.widen();
-        }
+        self.windows.append(&mut other.windows);
+        self.gather();
+        self.widen_to_most();
     }
 
     /// Whether the parts fit each other and the rows are so many, after reading them from outside.
@@ -134,103 +167,11 @@ impl Closed {
             let [from, to] = window.span_s;
             from <= to && holds(from) && holds(to) && window.factor.is_whole(columns)
         };
-        let found = self.windows.values().try_fold(0u64, |sum, window| sum.checked_add(window.factor.rows));
+        let found = self.windows.iter().try_fold(0u64, |sum, window| sum.checked_add(window.factor.rows));
         (LOWEST..=HIGHEST).contains(&self.level)
+            && self.windows.is_sorted_by(|one, next| one.key() < next.key())
             && self.places() <= MOST
-            && self.windows.values().all(good)
+            && self.windows.iter().all(good)
             && found == Some(rows)
-    }
-}
-
-/// Rows of the window that is being filled.
-struct Open {
-    place: i64,
-    span_s: [f64; 2],
-    filling: Factor,
-}
-
-impl Open {
-    fn take(&mut self, time_s: f64, products: &[f64]) {
-        self.span_s[1] = time_s;
-        self.filling.row(products.iter().copied());
-    }
-}
-
-/// Windows that are being filled, with those that are closed.
-pub struct Windows {
-    columns: usize,
-    closed: Closed,
-    per_second: f64,
-    open: BTreeMap<At, Open>,
-}
-
-impl Windows {
-    /// None yet, of rows with so many columns.
-    pub fn new(columns: usize) -> Self {
-        let closed = Closed::default();
-        Self { columns, per_second: (-f64::from(closed.level)).exp2(), closed, open: BTreeMap::new() }
-    }
-
-    pub fn row(&mut self, at: At, time_s: f64, products: &[f64]) {
-        let place = (time_s * self.per_second).floor() as i64;
-        match self.open.get_mut(&at) {
-            Some(open) if open.place == place => open.take(time_s, products),
-            _ => self.begin(at, place, time_s).take(time_s, products),
-        }
-    }
-
-    /// Closes the window that is filled by rows at some ends, and begins another.
-    fn begin(&mut self, at: At, place: i64, time_s: f64) -> &mut Open {
-        self.close(at);
-        let filling = Factor::new(self.columns);
-        self.open.insert(at, Open { place, span_s: [time_s, time_s], filling });
-        while self.places() > MOST {
-            self.closed.widen();
-            self.per_second *= 0.5;
-            self.open.values_mut().for_each(|open| open.place >>= 1);
-        }
-        self.open.get_mut(&at).expect("it was begun")
-    }
-
-    fn places(&self) -> usize {
-        let mut more: Vec<i64> = self.open.values().map(|open| open.place).collect();
-        more.sort_unstable();
-        more.dedup();
-        let there =
-            |place: &&i64| self.closed.windows.range((**place, 0)..=(**place, At::MAX)).next().is_none();
-        self.closed.places() + more.iter().filter(there).count()
-    }
-
-    fn close(&mut self, at: At) {
-        if let Some(Open { place, span_s, filling }) = self.open.remove(&at) {
-            self.closed.add((place, at), &Window { span_s, factor: filling.finish() });
-        }
-    }
-
-    /// Rows that no longer stand at some ends, because another goes beyond.
-    pub fn no_longer(&mut self, ends: At) {
-        self.closed.no_longer(ends);
-        let of: Vec<At> = self.open.keys().copied().filter(|at| at & ends != 0).collect();
-        for at in of {
-            let Some(open) = self.open.remove(&at) else { continue };
-            let left = at & !ends;
-            match self.open.get_mut(&left) {
-                Some(other) if other.place == open.place => {
-                    other.span_s = [other.span_s[0].min(open.span_s[0]), other.span_s[1].max(open.span_s[1])];
-                    other.filling.join(&open.filling);
-                }
-                Some(_) => {
-                    let Open { place, span_s, filling } = open;
-                    self.closed.add((place, left), &Window { span_s, factor: filling.finish() });
-                }
-                None => drop(self.open.insert(left, open)),
-            }
-        }
-    }
-
-    pub fn closed(mut self) -> Closed {
-        let all: Vec<At> = self.open.keys().copied().collect();
-        all.into_iter().for_each(|at| self.close(at));
-        self.closed
     }
 }

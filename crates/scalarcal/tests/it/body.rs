@@ -3,7 +3,7 @@
 
 use common::{Axis, BodyIron, Document};
 use nalgebra::{Matrix3, Vector3};
-use scalarcal::Options;
+use scalarcal::{FitOptions, Options};
 
 use crate::build::{Campaign, findings, found, intervals_hold, near, run, scalar, told};
 
@@ -93,13 +93,15 @@ fn the_calibration_is_that_on_the_body() {
 
 #[test]
 fn their_own_calibration_may_be_known_beforehand() {
+    let fit = FitOptions { known: true, ..FitOptions::default() };
+    let known = Options { fit, ..Options::default() };
     let away = run(recorded(&Campaign::default(), 10, Some(false)), &Options::default());
     assert!(!scalar(&away).includes_body);
     let mut document = recorded(&on_body(), 11, Some(true));
     document.calibration.clone_from(&away.calibration);
-    let document = run(document, &Options { known: true, ..Options::default() });
+    let document = run(document, &known);
     near(&iron(&document), &truth(&turned(&on_body())));
     let alone = recorded(&on_body(), 11, Some(true));
-    let message = told(scalarcal::run(alone, &Options { known: true, ..Options::default() }));
+    let message = told(scalarcal::run(alone, &known));
     assert!(message.contains("no calibration of all three sensors"), "{message}");
 }

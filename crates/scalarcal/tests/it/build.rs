@@ -1,17 +1,16 @@
 //! Documents of sensors that are turned in a field, made without the forward model: b = μᵀ B + noise, V = (b
 //! − O)/k.
 
-use common::{
-    Axis, Calibration, Column, Document, Facility, Instrument, Noise, NoiseOfSensors, Recording,
-    ScalarCalibration, procedure,
-};
+use common::{Axis, Calibration, Document, Noise, NoiseOfSensors, ScalarCalibration};
+use indexmap::IndexMap;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use noise::Stream;
 use partial::Take;
 use physics::Unit;
 use rayon::prelude::*;
-use scalarcal::stream::{Partial, Statistics};
+use scalarcal::stream::{self, Partial, Statistics};
 use scalarcal::{Error, Options, Source};
+use serde_json::json;
 use std::ops::Range;
 
 /// How the sensors are turned.
@@ -150,21 +149,14 @@ impl Campaign {
             columns.push(("reference_nt".into(), reference.collect()));
         }
         columns.push(("sensor_temperature_c".into(), temperature));
-        Document {
-            fluxcal: common::FORMAT_VERSION,
-            instrument: Some(Instrument {
-                nominal_sensitivity_nt_per_v: Some(6400.0),
-                ..Instrument::default()
-            }),
-            facility: Some(Facility { reference_std_nt: Some(self.reference_nt), ..Facility::default() }),
-            recordings: vec![Recording {
-                id: "turned".into(),
-                procedure: procedure::FREE_RUN.into(),
-                columns: columns.into_iter().map(|(name, values)| (name, Column::from(values))).collect(),
-                ..Recording::default()
-            }],
-            ..Document::default()
-        }
+        let columns: IndexMap<String, Vec<f64>> = columns.into_iter().collect();
+        let document = json!({
+            "fluxcal": 1,
+            "instrument": {"nominal_sensitivity_nt_per_v": 6400.0},
+            "facility": {"reference_std_nt": self.reference_nt},
+            "recordings": [{"id": "turned", "procedure": "free_run", "columns": columns}],
+        });
+        serde_json::from_value(document).expect("a document")
     }
 
     /// The nine true parameters, in the order in which they are written: sensitivities, offsets, angles
@@ -204,6 +196,15 @@ pub fn change(document: &mut Document, name: &str, to: impl Fn(usize, f64) -> f6
 
 pub fn run(document: Document, options: &Options) -> Document {
     scalarcal::run(document, options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// What is found of the rows at hand, or in one pass over those of the one recording.
+pub fn result(document: Document, options: &Options, in_one_pass: bool) -> Result<Document, Error> {
+    if !in_one_pass {
+        return scalarcal::run(document, options);
+    }
+    let rows = 0..document.recordings[0].rows();
+    stream::document(&piece(&document, rows), document, &options.fit)
 }
 
 /// The message of a refusal, or the findings.

@@ -1,7 +1,6 @@
 //! The integration tests of `scalarcal`: one program, a module for each subject.
 
 mod answers;
-mod bad_input;
 mod body;
 mod build;
 mod coverage;
