@@ -7,10 +7,9 @@
 use common::{Detectable, Document};
 use estimate::screen::Chance;
 use physics::{Acts, EffectInstance};
-use std::collections::BTreeSet;
 
 use crate::approach;
-use crate::candidates::Kept;
+use crate::candidates::{Candidate, Kept};
 use crate::course;
 use crate::fit::{Fitter, settled, settled_near};
 use crate::linear;
@@ -84,11 +83,12 @@ impl Screened {
         let Searcher { pool, chance, mut kept, shapes, .. } = searcher;
         let candidates = pool.candidates.clone();
         // The plain regression has every column.
-        for (number, candidate) in candidates.iter().enumerate() {
-            if matches!(&candidate.what, What::Physics(effect) if matches!(effect.kind.about().acts, Acts::WithColumn(_)))
-            {
-                kept.entry(number).or_default().insert(0);
-            }
+        let follows = |candidate: &Candidate| match &candidate.what {
+            What::Physics(effect) => matches!(effect.kind.about().acts, Acts::WithColumn(_)),
+            What::Smooth { .. } => false,
+        };
+        for (number, _) in candidates.iter().enumerate().filter(|(_, candidate)| follows(candidate)) {
+            kept.entry(number).or_default().insert(0);
         }
         // With what neighbouring shapes do.
         for (number, shapes) in &mut kept {
@@ -152,11 +152,8 @@ fn searched(
         if let Some(mut outcome) = found {
             outcome.notes.extend(notes);
             if let Some(about) = about {
-                let kept = std::mem::replace(&mut all, about).kept;
-                let of = |(number, shapes): (usize, BTreeSet<usize>)| {
-                    shapes.into_iter().map(move |shape| (number, shape))
-                };
-                all.keep(kept.into_iter().flat_map(of));
+                let first = std::mem::replace(&mut all, about);
+                keep_too(&mut all, &first);
             }
             return Ok((outcome, all));
         }
@@ -166,6 +163,18 @@ fn searched(
     let mut outcome = course::search(document, model, &mut all, before, from, known, told)?;
     outcome.notes.extend(notes);
     Ok((outcome, all))
+}
+
+/// Keeps what another searcher, over a pool about another calibration, has kept.
+fn keep_too(searcher: &mut Searcher, other: &Searcher) {
+    for (number, shapes) in &other.kept {
+        let key = other.pool.candidates[*number].key();
+        let own = searcher.pool.candidates.iter().position(|candidate| candidate.key() == key);
+        if let Some(own) = own {
+            let tried = searcher.pool.candidates[own].trials.len();
+            searcher.keep(shapes.iter().filter(|shape| **shape < tried).map(|shape| (own, *shape)));
+        }
+    }
 }
 
 /// A document with a share of the rows of each recording, in blocks.
