@@ -59,11 +59,6 @@ impl Cdf {
         records::read(&Bytes(&bytes))
     }
 
-    /// A variable by its name.
-    pub fn variable(&self, name: &str) -> Option<&Variable> {
-        self.variables.iter().find(|variable| variable.name == name)
-    }
-
     /// The first entry of an attribute of the file, as text.
     pub fn text(&self, name: &str) -> Option<String> {
         let (_, entries) = self.attributes.iter().find(|(known, _)| known == name)?;
@@ -95,6 +90,10 @@ mod tests {
         std::fs::read(format!("{}/../../fixtures/ingest/{name}", env!("CARGO_MANIFEST_DIR"))).expect(name)
     }
 
+    fn variable<'c>(cdf: &'c Cdf, name: &str) -> &'c Variable {
+        cdf.variables.iter().find(|variable| variable.name == name).expect(name)
+    }
+
     /// Values of five files, big and little endian, plain, compressed by variable and as a whole, as cdflib
     /// reads them (fixtures/reference/ingest/cdf.py); times over the leap second at the end of 2016.
     #[test]
@@ -109,20 +108,20 @@ mod tests {
             assert_eq!(cdf.variables.len(), variables.len(), "{name}");
             for (name, expected) in variables {
                 let list = |key: &str| expected[key].as_array().expect(name).iter();
-                let due = match &cdf.variable(name).expect(name).values {
+                let due = match &variable(&cdf, name).values {
                     Values::Moments(_) => {
                         Values::Moments(list("ns").map(|ns| Some(ns.as_i64().expect("ns"))).collect())
                     }
                     _ => Values::Numbers(list("values").map(|one| one.as_f64().expect("a number")).collect()),
                 };
-                assert_eq!(cdf.variable(name).expect(name).values, due, "{name}");
+                assert_eq!(variable(&cdf, name).values, due, "{name}");
                 count += due.len();
             }
         }
         assert_eq!(count, 6 + 3 * 30 + 15 + 30 + 15 + 6 + 4 * 12 + 2 * 40 * 6);
         let cdf = Cdf::parse(&fixture("imagcdf-hdz.cdf")).expect("a CDF");
         assert_eq!(cdf.text("IagaCode").as_deref(), Some("FLX"));
-        let d = cdf.variable("GeomagneticFieldD").expect("D");
+        let d = variable(&cdf, "GeomagneticFieldD");
         assert_eq!(
             (d.text("UNITS").as_deref(), d.attribute("FILLVAL").and_then(Values::number)),
             (Some("Degrees of arc"), Some(99_999.0))

@@ -125,7 +125,7 @@ impl File<'_> {
         let mut values = kind.read(&bytes, elements, self.little);
         clear(&mut values, &there);
         let varies = flags & 1 != 0;
-        Ok((next, number, Variable { name, kind, dimensions, varies, attributes: Vec::new(), values }))
+        Ok((next, number, Variable { name, dimensions, varies, attributes: Vec::new(), values }))
     }
 
     /// An attribute (ADR) with its entries: to the file or to variables. The place of the next one.

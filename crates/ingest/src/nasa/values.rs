@@ -72,11 +72,6 @@ impl ValueType {
         }
     }
 
-    /// Whether values are moments.
-    pub fn is_time(self) -> bool {
-        matches!(self, ValueType::Epoch | ValueType::Epoch16 | ValueType::Tt2000)
-    }
-
     /// Values of bytes: texts of `elements` characters each, otherwise as many as there are.
     pub(super) fn read(self, bytes: &[u8], elements: usize, little: bool) -> Values {
         let each = self.bytes() * if self == ValueType::Char { elements.max(1) } else { 1 };
@@ -118,11 +113,6 @@ impl Values {
             Values::Moments(values) => values.len(),
             Values::Texts(values) => values.len(),
         }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The first one as text.

@@ -1,7 +1,7 @@
 //! Variables and their records.
 
 use super::bytes::{Bytes, Compression, inflate};
-use super::{Error, ValueType, Values};
+use super::{Error, Values};
 
 /// Bytes of a variable that are read at most.
 const MOST: usize = 1 << 32;
@@ -13,8 +13,6 @@ const MOST_RECORDS: usize = 1 << 20;
 pub struct Variable {
     /// Its name.
     pub name: String,
-    /// The type of its values.
-    pub kind: ValueType,
     /// Sizes of a record's dimensions; empty for one value a record.
     pub dimensions: Vec<usize>,
     /// Whether it has a value for each record, or one for all.
@@ -39,11 +37,6 @@ impl Variable {
     /// Values of a record.
     pub fn width(&self) -> usize {
         self.dimensions.iter().product()
-    }
-
-    /// How many records.
-    pub fn records(&self) -> usize {
-        self.values.len() / self.width().max(1)
     }
 }
 
