@@ -74,14 +74,11 @@ impl Pool {
             }
         }
         let names = kept.map(Kept::names);
-        for (what, mut trials) in generic::all(model, state, names.as_ref())? {
-            let has_shape = trials.first().is_some_and(|(shape, _)| shape.is_some());
-            let mut number = 0;
-            trials.retain(|_| {
-                number += 1;
-                kept.is_none_or(|kept| kept.keeps(&(what.name(), has_shape), number - 1))
-            });
-            let trials = trials.into_iter().map(|(shape, columns)| (shape, None, columns));
+        for (what, trials) in generic::all(model, state, names.as_ref())? {
+            let key = (what.name(), trials.first().is_some_and(|(shape, _)| shape.is_some()));
+            let is_kept = |number: usize| kept.is_none_or(|kept| kept.keeps(&key, number));
+            let trials = trials.into_iter().enumerate().filter(|(number, _)| is_kept(*number));
+            let trials = trials.map(|(_, (shape, columns))| (shape, None, columns));
             pool.push(what, false, trials.collect());
         }
         if let Some(kept) = kept {

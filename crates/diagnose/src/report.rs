@@ -21,7 +21,7 @@ use crate::search::Searcher;
 use crate::what::{What, named};
 use crate::{Error, NamedEffect, Options, Outcome, experiment, moved, plain};
 
-pub use detectable::detectable;
+pub use detectable::of_all as detectable_of_all;
 pub use effects::quantities;
 pub use residuals::fit;
 
@@ -132,7 +132,7 @@ pub fn report(
         energy,
         base_shift: moved::shifts(model, outcome),
         series: series::series(model, outcome, &guilty, &fields),
-        detectable: detectable(searcher, outcome, &fitter, options)?,
+        detectable: detectable::detectable(searcher, outcome, &fitter, options)?,
         remaining: Some(Remaining {
             white: !left,
             p_value: omnibus,

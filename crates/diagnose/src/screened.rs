@@ -16,7 +16,7 @@ use crate::linear;
 use crate::model::{Model, State, Unknown};
 use crate::observed::Observed;
 use crate::pool::Pool;
-use crate::report::detectable;
+use crate::report::detectable_of_all;
 use crate::search::Searcher;
 use crate::what::What;
 use crate::{Error, Options, Outcome};
@@ -74,7 +74,7 @@ impl Screened {
             found => found?,
         };
         let fitter = Fitter { model: &model, noise: &outcome.noise };
-        let mut detectable = detectable(&mut searcher, &outcome, &fitter, options)?;
+        let mut detectable = detectable_of_all(&mut searcher, &outcome, &fitter, options)?;
         // In so many more readings a smaller size shows.
         let smaller = (model.observed.rows as f64 / readings as f64).sqrt();
         let sizes = detectable.iter_mut().flat_map(|one| one.smallest.values_mut());

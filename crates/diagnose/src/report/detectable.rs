@@ -7,7 +7,7 @@ use physics::{EffectInstance, Role};
 
 use crate::fit::Fitter;
 use crate::search::Searcher;
-use crate::what::{What, named};
+use crate::what::What;
 use crate::{Error, Options, Outcome};
 
 /// Standard deviations that make nine claims of ten out of five.
@@ -15,19 +15,31 @@ const NINE_OF_TEN: f64 = 1.2816;
 
 /// For each candidate of the catalogue that was not found, the smallest size that would have been claimed
 /// nine times in ten.
-pub fn detectable(
+pub(super) fn detectable(
     searcher: &mut Searcher,
     outcome: &Outcome,
     fitter: &Fitter<'_, '_>,
     options: &Options,
 ) -> Result<Vec<Detectable>, Error> {
+    let mut all = match &searcher.detectable {
+        Some(all) => all.clone(),
+        None => of_all(searcher, outcome, fitter, options)?,
+    };
     let is_found = |one: &Detectable| {
         let of = |effect: &EffectInstance| one.effect == effect.kind.name() && one.target == target(effect);
         outcome.fit.state.effects.iter().any(of)
     };
-    if let Some(detectable) = &searcher.detectable {
-        return Ok(detectable.iter().filter(|one| !is_found(one)).cloned().collect());
-    }
+    all.retain(|one| !is_found(one));
+    Ok(all)
+}
+
+/// The same for each candidate, found or not.
+pub fn of_all(
+    searcher: &mut Searcher,
+    outcome: &Outcome,
+    fitter: &Fitter<'_, '_>,
+    options: &Options,
+) -> Result<Vec<Detectable>, Error> {
     let (_, screen) = searcher.screen(fitter, &outcome.fit)?;
     let scale = outcome.last.rest.scale();
     let mut all: Vec<Detectable> = Vec::new();
@@ -36,10 +48,7 @@ pub fn detectable(
         // Once for each name, whatever it begins with.
         let target = target(effect);
         let is_told = |one: &Detectable| one.effect == effect.kind.name() && one.target == target;
-        if effect.recording.is_some()
-            || all.iter().any(is_told)
-            || outcome.fit.state.effects.iter().any(|other| named(other) == named(effect))
-        {
+        if effect.recording.is_some() || all.iter().any(is_told) {
             continue;
         }
         let amplitudes: Vec<&str> = effect

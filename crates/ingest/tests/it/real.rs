@@ -65,7 +65,7 @@ fn check(
     let ingested = match ingest::run(document(), files, &options) {
         // The clock of the balloon's computer was set back while it ran.
         Err(error) if set == "balloon-rotation" => {
-            assert!(error.to_string().contains("a clock was set back"), "{error}");
+            assert!(error.to_string().contains("the clock was set back"), "{error}");
             options.sort = true;
             ingest::run(document(), files, &options)
         }
