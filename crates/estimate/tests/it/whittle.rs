@@ -20,6 +20,7 @@ fn maxima_of_scipy() {
     let reference = reference("whittle_scipy");
     let of = |series: &Value| seen(&numbers(&series["samples"]), number(&series["step_s"]));
     let series: Vec<Periodogram> = list(&reference["series"]).iter().map(of).collect();
+    let mut costs = Vec::new();
     for (form, white) in
         [("per_reading", White::PerReading), ("density", White::Density), ("each", White::Each)]
     {
@@ -43,6 +44,12 @@ fn maxima_of_scipy() {
         // The bins: 0.003, 0.012 and 0.005 standard errors were seen.
         assert!(off < 0.02, "{form}: {off} standard errors");
         assert!(off_covariance < 0.02, "{form}: {off_covariance}");
+        costs.push((-number(&expected["log_likelihood"]), found.cost));
+    }
+    let [reading, density, each] = costs.try_into().expect("three");
+    for other in [reading, density] {
+        let (expected, found) = (other.0 - each.0, other.1 - each.1);
+        assert!((found - expected).abs() < 0.02 * (1.0 + expected), "{found}, {expected}");
     }
     assert_eq!(fit(&series).expect("a fit").white, White::PerReading);
 }

@@ -37,6 +37,8 @@ pub struct WhittleFit {
     /// of at least 30 ordinates (a shorter series is one group); None if there are no more groups than
     /// unknowns.
     pub goodness: Option<f64>,
+    /// −ln of the likelihood, but for what is common to all forms of white noise.
+    pub cost: f64,
 }
 
 impl WhittleFit {
@@ -153,6 +155,7 @@ pub(super) fn report(model: &Model, found: &Optimum) -> Result<WhittleFit, Error
         white_variances,
         covariance,
         goodness: goodness(model, theta, unknowns),
+        cost: found.cost,
     })
 }
 
