@@ -1,11 +1,14 @@
 //! Any document as one page: what each stage found, in words, tables and plots.
 //!
-//! A [`Page`] is made of the document by [`run`]; the crate `page` writes it. `sections.jinja` has the words and
+//! A [`Page`] is made of the document by [`run`]; [`page`] writes it. `sections.jinja` has the words and
 //! tables of each section, the modules below `sections` its plots and findings. What the document does not hold
 //! is not computed here.
 //!
-//! `conformity` gives one more section of the same form; `certificate` makes a document of its own.
+//! [`conformity`] gives one more section of the same form; [`certificate`] makes a document of its own.
 
+pub mod certificate;
+pub mod conformity;
+pub mod page;
 mod sections;
 
 pub use page::{Cell, Effect, Finding, Header, Item, Page, Section, Table};

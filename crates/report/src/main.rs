@@ -1,13 +1,14 @@
 //! `report`: any document as one page.
 
-use certificate::Asked;
 use clap::{Parser, ValueEnum};
 use common::{Error, procedure};
-use conformity::Spec;
-use page::{html, text};
+
 use program::pipe::{self, Input, Io, Program, Sink};
 use program::{apart, beside, manual};
 use report::Options;
+use report::certificate::{self, Asked};
+use report::conformity::Spec;
+use report::page::{html, text};
 use std::path::PathBuf;
 use std::process::ExitCode;
 

@@ -1,7 +1,7 @@
 //! The field of each coil along its axis.
 
+use crate::page::words::slug;
 use common::{Axis, Calibration, CoilSurvey, PerAxis, Quantity};
-use page::words::slug;
 
 use super::Plots;
 use crate::number;

@@ -13,9 +13,9 @@ mod residuals;
 mod scalar;
 mod time;
 
+use crate::page::template;
 use common::{Diagnosis, Document, Error, Residual};
 use minijinja::{Value, context};
-use page::template;
 use std::collections::{HashMap, HashSet};
 
 use crate::plot::Plot;
@@ -38,7 +38,7 @@ pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&st
     tell_apart(&mut sections);
     sections.iter_mut().for_each(|part| Finding::sort(&mut part.warnings, |finding| finding));
     let listed = ranked(&sections);
-    let first = sections.iter().take_while(|section| section.id == conformity::ID).count();
+    let first = sections.iter().take_while(|section| section.id == crate::conformity::ID).count();
     sections.splice(first..first, listed);
     let context = context! {
         nothing,

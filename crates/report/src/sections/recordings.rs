@@ -1,8 +1,8 @@
 //! What was recorded, with drawings of what no stage has read, and the field that `correct` made of it.
 
+use crate::page::words::{counted, key, slug};
 use common::{Axis, Document, Recording, procedure};
 use minijinja::{Value, context};
-use page::words::{counted, key, slug};
 use std::collections::BTreeMap;
 
 use super::time::Clock;

@@ -1,8 +1,8 @@
 //! Residuals before and after, against time and what they may follow; the difference of two magnetometers
 //! likewise.
 
+use crate::page::words::{key, slug};
 use common::{Axis, Diagnosis, DifferentialFit, Document, ResidualSeries};
-use page::words::{key, slug};
 
 use super::time::Clock;
 use super::{Plots, side_by_side};

@@ -1,9 +1,9 @@
 //! Times in a unit that suits them.
 
+use crate::page::number;
+use crate::page::plot::Dimension;
 use common::{MatrixStability, Recording};
 use minijinja::{Value, context};
-use page::number;
-use page::plot::Dimension;
 
 /// A unit of time.
 pub struct Clock {

@@ -2,8 +2,8 @@
 //! both themes and on a phone's width. Needs the browser: `just browser`.
 
 use common::Document;
-use page::html;
 use report::Options;
+use report::page::html;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs;

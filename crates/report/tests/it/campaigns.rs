@@ -2,7 +2,7 @@
 //! FLUXCAL_CAMPAIGNS sets how many, FLUXCAL_FIRST the seed of the first. The programs must be built.
 
 use common::{Axis, Document};
-use conformity::Spec;
+use report::conformity::Spec;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -88,7 +88,8 @@ fn statements_hold_over_campaigns() {
         let mut found = calibrated(&document);
         found.recordings.clear();
         let exact = true_of(&found, &truth);
-        let (found, exact) = [&found, &exact].map(|of| conformity::judge(of, &spec).expect("judged")).into();
+        let (found, exact) =
+            [&found, &exact].map(|of| report::conformity::judge(of, &spec).expect("judged")).into();
         for (one, truth) in found.iter().zip(&exact) {
             for (shown, truth) in one.shown.iter().zip(&truth.shown) {
                 let (shown, truth) = [shown, truth].map(|shown| shown.as_ref().expect("shown")).into();

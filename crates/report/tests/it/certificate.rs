@@ -1,7 +1,7 @@
 //! The certificate: as it stands, what is blank, what is pointed out, and its results against the document.
 
-use certificate::{Asked, Sheet};
 use common::Certificate;
+use report::certificate::{Asked, Sheet};
 use roxmltree::{Document as Xml, ParsingOptions};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -17,11 +17,11 @@ fn complete() -> Value {
 }
 
 fn sheet(document: &Value) -> Sheet {
-    certificate::run(&parsed(document), &Asked::default()).expect("a certificate")
+    report::certificate::run(&parsed(document), &Asked::default()).expect("a certificate")
 }
 
 fn html(document: &Value) -> String {
-    certificate::render(&sheet(document), None).expect("HTML")
+    report::certificate::render(&sheet(document), None).expect("HTML")
 }
 
 /// The certificate of a document with these administrative data alone.
@@ -47,10 +47,10 @@ fn golden() {
         let document = parsed(&document);
         let findings = report::findings(&document).expect("findings");
         let asked = Asked { document_sha256: Some("0f"), findings: &findings, spec, ..Asked::default() };
-        let sheet = certificate::run(&document, &asked).expect("a certificate");
+        let sheet = report::certificate::run(&document, &asked).expect("a certificate");
         assert_eq!(sheet.blank().len(), blank, "{:?}", sheet.blank());
         assert!(blank > 0 || sheet.notes.is_empty(), "{:?}", sheet.notes);
-        let found = certificate::render(&sheet, None).expect("HTML");
+        let found = report::certificate::render(&sheet, None).expect("HTML");
         let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
         Xml::parse_with_options(&found, options).unwrap_or_else(|error| panic!("{name}: {error}"));
         same(&format!("certificate/{name}"), &found);

@@ -2,8 +2,8 @@
 //! those of the document.
 
 use common::Document;
-use page::html;
 use report::Options;
+use report::page::html;
 use serde_json::{Map, Value, json};
 
 /// Keys that the templates ask for in maps whose keys are data.
@@ -88,10 +88,11 @@ fn every_result_is_there() {
     calibration.retain(|key, _| key == "coils");
     let pages = [sensors, coils].map(|document| {
         let document: Document = serde_json::from_value(document).expect("a document");
-        let sheet = certificate::run(&document, &certificate::Asked::default()).expect("a certificate");
-        certificate::render(&sheet, None).expect("HTML")
+        let sheet = report::certificate::run(&document, &report::certificate::Asked::default())
+            .expect("a certificate");
+        report::certificate::render(&sheet, None).expect("HTML")
     });
-    let template = include_str!("../../../certificate/src/certificate.jinja");
+    let template = include_str!("../../src/certificate/certificate.jinja");
     for call in template.split(" result(").skip(1).filter_map(|rest| rest.split(" %}").next()) {
         for word in call.split('"').skip(1).step_by(2).filter(|word| !["value", "std"].contains(word)) {
             assert!(pages.iter().any(|page| page.contains(word)), "{word} of {call}");

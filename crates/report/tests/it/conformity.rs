@@ -1,9 +1,9 @@
 //! The statement of conformity: against numbers made in SciPy, by hand, and as it stands.
 
 use common::{Axis, Document};
-use conformity::{Judged, RequirementKind, Shown, ShownValue, Spec, Verdict};
-use page::text;
 use report::Page;
+use report::conformity::{Judged, RequirementKind, Shown, ShownValue, Spec, Verdict};
+use report::page::text;
 use serde_json::{Value, json};
 use std::fs;
 
@@ -16,7 +16,7 @@ fn calibrated() -> Value {
 /// What a document shows of each requirement of a specification.
 fn judged(document: &Value, spec: &Value) -> Vec<Judged<'static>> {
     let spec = Spec::parse(&spec.to_string()).expect("a specification");
-    conformity::judge(&parsed(document), Box::leak(spec.into())).expect("judged")
+    report::conformity::judge(&parsed(document), Box::leak(spec.into())).expect("judged")
 }
 
 /// What a document shows of one requirement.
@@ -263,7 +263,7 @@ fn a_covariance_that_does_not_go_with_its_order_is_refused() {
 /// The statement of the fixture, word for word.
 #[test]
 fn golden() {
-    let section = conformity::section(&parsed(&calibrated()), &magsat()).expect("a statement");
+    let section = report::conformity::section(&parsed(&calibrated()), &magsat()).expect("a statement");
     let page = Page { title: "Golden".into(), sections: vec![section], ..Page::default() };
     same("specs/calibrated/expected.txt", &text::render(&page));
 }

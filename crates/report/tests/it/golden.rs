@@ -1,6 +1,6 @@
 //! Golden pages, a line a case: as text, and as HTML where the page is small.
 
-use page::{html, text};
+use report::page::{html, text};
 use serde_json::json;
 
 use crate::{REPORT, fixture, page, same};

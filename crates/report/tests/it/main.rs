@@ -32,8 +32,8 @@ fn page(document: &Value) -> Page {
 }
 
 /// The specification of MAGSAT.
-fn magsat() -> ::conformity::Spec {
-    ::conformity::Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification")
+fn magsat() -> report::conformity::Spec {
+    report::conformity::Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification")
 }
 
 /// Holds a text to a file of the fixtures. BLESS=1 writes it anew; read the difference before it is kept.

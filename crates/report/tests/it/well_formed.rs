@@ -1,7 +1,7 @@
 //! Every page is well-formed, whatever stands in the document; every plot is drawn, and every link leads
 //! somewhere.
 
-use page::{html, text};
+use report::page::{html, text};
 use report::{Item, Options, Page};
 use roxmltree::{Document as Xml, Node, ParsingOptions};
 use serde_json::json;

@@ -1,0 +1,121 @@
+//! A page as HTML: one file, no network, no script.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use minijinja::{Value, context};
+
+use crate::page::plot::{self, Plot};
+use crate::page::words::escape;
+use crate::page::{Cell, Item, Page, Table, number, template};
+
+/// A table with more rows is folded.
+const FOLDED: usize = 12;
+/// Words in a cell that are longer may be broken.
+const SHORT: usize = 28;
+/// A plot with more rows has them in its data alone.
+const IN_TABLE: usize = 200;
+
+/// The page as HTML that is well-formed XML as well.
+///
+/// # Errors
+///
+/// Where its template is wrong.
+pub fn render(page: &Page) -> Result<String, common::Error> {
+    let sections = page.sections.iter().map(|section| {
+        let is_plot = |item: &Item| matches!(item, Item::Plot(_));
+        let groups = section.items.chunk_by(|a, b| is_plot(a) && is_plot(b));
+        context! {
+            id => section.id,
+            title => section.title,
+            words => section.words,
+            warnings => section.warnings.iter().map(|warning| &warning.words).collect::<Vec<_>>(),
+            items => groups.map(items).collect::<Vec<_>>(),
+        }
+    });
+    let mut environment = template::html();
+    environment.add_filter("prose", |words: String| Value::from_safe_string(prose(&words)));
+    let context = context! {
+        title => page.title,
+        style => include_str!("style.css"),
+        summary => page.summary,
+        sections => sections.collect::<Vec<_>>(),
+    };
+    template::rendered(&environment, include_str!("page.html.jinja"), context)
+}
+
+/// Escaped words, with what stands between backticks as code.
+fn prose(words: &str) -> String {
+    let escaped = escape(words);
+    let parts: Vec<&str> = escaped.split('`').collect();
+    if parts.len().is_multiple_of(2) {
+        return escaped;
+    }
+    let part = |(number, part): (usize, &&str)| {
+        if number % 2 == 1 { format!("<code>{part}</code>") } else { part.to_string() }
+    };
+    parts.iter().enumerate().map(part).collect()
+}
+
+/// Neighbouring plots together, or one item.
+fn items(group: &[Item]) -> Value {
+    match group {
+        [Item::Heading(heading)] => context! { heading },
+        [Item::Words(words)] => context! { words },
+        [Item::Table(one)] => {
+            let rows = (one.rows.len() > FOLDED).then(|| number::counted(one.rows.len(), "row"));
+            context! { table => table(one), rows }
+        }
+        plots => {
+            let plots = plots.iter().filter_map(|item| match item {
+                Item::Plot(plot) => Some(figure(plot)),
+                _ => None,
+            });
+            context! { plots => plots.collect::<Vec<_>>() }
+        }
+    }
+}
+
+fn table(table: &Table) -> Value {
+    let cell = |cell: &Cell| {
+        let text = cell.to_string();
+        let whole = !matches!(cell, Cell::Text(_)) || escape(&text).chars().count() <= SHORT;
+        context! { text, whole }
+    };
+    let row = |row: &Vec<Cell>| row.iter().map(cell).collect::<Vec<_>>();
+    context! {
+        caption => table.caption,
+        headers => table.headers,
+        rows => table.rows.iter().map(row).collect::<Vec<_>>(),
+    }
+}
+
+fn figure(plot: &Plot) -> Value {
+    let undrawn = plot.undrawn();
+    let (plot, thinned) = plot::thinned(plot.clone());
+    let legend = plot.series.iter().filter(|_| plot.series.len() > 1 || plot.map);
+    let legend = legend.map(|series| context! { swatch => plot::swatch(series), name => series.name });
+    let notes: Vec<String> = [Some(plot.note.clone()), undrawn, thinned].into_iter().flatten().collect();
+    let count: usize = plot.series.iter().map(|series| series.values().count()).sum();
+    context! {
+        id => plot.id,
+        title => plot.title,
+        map => plot.map,
+        svg => plot::svg(&plot),
+        legend => legend.collect::<Vec<_>>(),
+        note => notes.join(" ").trim(),
+        rows => number::counted(count, "row"),
+        table => (count <= IN_TABLE).then(|| table(&plot.table())),
+        csv => STANDARD.encode(plot.csv()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_in_words() {
+        assert_eq!(prose("a `b<` c"), "a <code>b&lt;</code> c");
+        assert_eq!(prose("it`s"), "it`s");
+    }
+}

@@ -1,0 +1,171 @@
+//! From values to places on the drawing; where an axis has its marks, and what stands at them.
+
+use crate::page::number;
+
+/// A scale: the values from `low` to `high` lie between two places.
+#[derive(Clone, Copy, Debug)]
+pub struct Scale {
+    /// Value at the first place.
+    pub low: f64,
+    /// Value at the second place.
+    pub high: f64,
+    /// The places, in the drawing's units.
+    pub places: [f64; 2],
+    log: bool,
+}
+
+impl Scale {
+    /// The scale that holds the values, with a little air; None without a value that it can hold, or where
+    /// they are too far apart for a number.
+    pub fn over(values: impl Iterator<Item = f64>, log: bool) -> Option<Self> {
+        let [low, high] = number::ends(values.filter(|value| !log || *value > 0.0))?;
+        let [low, high] = if log { [low.log10(), high.log10()] } else { [low, high] };
+        let span = high - low;
+        if !span.is_finite() {
+            return None;
+        }
+        let air = match span > 1e-12 * high.abs().max(low.abs()) {
+            true => 0.05 * span,
+            // Room around a single value.
+            false if log => 0.5,
+            false if high == 0.0 => 1.0,
+            false => 0.1 * high.abs(),
+        };
+        let [low, high] = [low - air, high + air];
+        let [low, high] = if log { [10f64.powf(low), 10f64.powf(high)] } else { [low, high] };
+        Some(Self { low, high, places: [0.0, 1.0], log })
+    }
+
+    /// The same between these places.
+    pub fn at(self, places: [f64; 2]) -> Self {
+        Self { places, ..self }
+    }
+
+    /// Where a value lies; None where there is no place for it.
+    pub fn place(&self, value: f64) -> Option<f64> {
+        if !value.is_finite() || (self.log && value <= 0.0) {
+            return None;
+        }
+        let share = if self.log {
+            (value / self.low).log10() / (self.high / self.low).log10()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        };
+        Some(self.places[0] + share * (self.places[1] - self.places[0]))
+    }
+
+    /// The marks, about `wanted` of them.
+    pub fn ticks(&self, wanted: usize) -> Vec<Tick> {
+        let marks = if self.log { decades } else { linear };
+        marks(self.low, self.high, wanted)
+    }
+}
+
+/// A mark of an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    /// Where.
+    pub at: f64,
+    /// What stands there; empty for a minor mark.
+    pub label: String,
+}
+
+/// Marks at multiples of 1, 2 or 5 times a power of ten, about `wanted` of them.
+fn linear(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
+    let rough = (high - low) / wanted as f64;
+    let power = rough.log10().floor() as i32;
+    let unit = 10f64.powi(power);
+    let (factor, power) = match rough / unit {
+        ratio if ratio <= 1.5 => (1.0, power),
+        ratio if ratio <= 3.2 => (2.0, power),
+        ratio if ratio <= 7.0 => (5.0, power),
+        _ => (1.0, power + 1),
+    };
+    let step = factor * 10f64.powi(power);
+    let [first, last] = [(low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64];
+    let at = (first..=last).map(|n| n as f64 * step);
+    let largest = low.abs().max(high.abs());
+    let label = |at: f64| {
+        if largest < 1e6 && power >= -4 {
+            number::fixed(at, (-power).max(0))
+        } else {
+            number::significant(at, (largest / step).log10().max(0.0).ceil() as usize + 1)
+        }
+    };
+    at.map(|at| Tick { at, label: label(at) }).collect()
+}
+
+/// Marks at powers of ten, every second or third of them where there are many; within two decades 2 and 5
+/// stand as well.
+fn decades(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
+    let [first, last] = [low.log10().floor() as i32, high.log10().ceil() as i32];
+    let inside = |at: f64| at >= low * (1.0 - 1e-9) && at <= high * (1.0 + 1e-9);
+    let span = (high / low).log10();
+    let stride = (span / wanted as f64).ceil().max(1.0) as i32;
+    let mut ticks = Vec::new();
+    for power in first..=last {
+        let unit = 10f64.powi(power);
+        for factor in 1..10 {
+            let at = f64::from(factor) * unit;
+            let labelled = match factor {
+                1 => power.rem_euclid(stride) == 0,
+                2 | 5 => span < 2.0,
+                _ => span < 0.7,
+            };
+            let label = match (labelled, span < 2.0) {
+                (false, _) => String::new(),
+                (true, true) => number::significant(at, 2),
+                (true, false) => format!("10{}", number::superscript(power)),
+            };
+            if inside(at) && (labelled || stride == 1) {
+                ticks.push(Tick { at, label });
+            }
+        }
+    }
+    ticks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn linear_and_logarithmic() {
+        let linear = Scale::over([0.0, f64::NAN, 10.0].into_iter(), false).expect("values").at([100.0, 0.0]);
+        assert_eq!((linear.low, linear.high), (-0.5, 10.5));
+        assert_eq!(linear.place(5.0), Some(50.0));
+        assert_eq!(linear.place(f64::INFINITY), None);
+        let log = Scale::over([-1.0, 0.0, 1.0, 100.0].into_iter(), true).expect("values").at([0.0, 100.0]);
+        assert!((log.place(10.0).expect("a place") - 50.0).abs() < 1e-9);
+        assert_eq!(log.place(0.0), None);
+    }
+
+    #[test]
+    fn one_value_has_room_and_none_has_no_scale() {
+        let single = Scale::over([6400.0].into_iter(), false).expect("a value");
+        assert!(single.low < 6400.0 && single.high > 6400.0);
+        assert!(Scale::over([f64::NAN].into_iter(), false).is_none());
+        assert!(Scale::over([-1.0].into_iter(), true).is_none());
+    }
+
+    fn labels(ticks: &[Tick]) -> Vec<&str> {
+        ticks.iter().map(|tick| tick.label.as_str()).filter(|label| !label.is_empty()).collect()
+    }
+
+    #[test]
+    fn one_two_five() {
+        assert_eq!(labels(&linear(-0.13, 0.21, 4)), ["−0.1", "0.0", "0.1", "0.2"]);
+        assert_eq!(labels(&linear(-52000.0, 52000.0, 5)), ["−40000", "−20000", "0", "20000", "40000"]);
+        assert_eq!(labels(&linear(6401.19, 6401.26, 4)), ["6401.20", "6401.22", "6401.24", "6401.26"]);
+        assert_eq!(labels(&linear(0.0, 3e-6, 3)), ["0", "1·10⁻⁶", "2·10⁻⁶", "3·10⁻⁶"]);
+    }
+
+    #[test]
+    fn powers_of_ten() {
+        assert_eq!(labels(&decades(2e-4, 50.0, 7)), ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹"]);
+        assert_eq!(labels(&decades(1e-5, 1e6, 5)), ["10⁻³", "10⁰", "10³", "10⁶"]);
+        assert_eq!(labels(&decades(0.5, 20.0, 5)), ["0.5", "1", "2", "5", "10", "20"]);
+        let minor = decades(0.01, 1.0e2, 5).len() - 5;
+        assert_eq!(minor, 32);
+    }
+}
