@@ -13,13 +13,13 @@ from __future__ import annotations
 import json
 from typing import Any, Iterable, Mapping
 
-from ._frames import corrected, frame, recording
+from ._frames import corrected, frame, recording, results
 from ._plot import plot
 from ._run import Document, Error, PathLike, Refused, Undetermined, call, text
 
 __all__ = [
     "Document", "Error", "Page", "Refused", "Undetermined", "axescal", "certificate", "coilcal", "correct", "corrected", "design", "diagnose",
-    "diffmag", "diffmag_merge", "diffmag_stream", "effects", "frame", "guess", "ingest", "plot", "recording", "replay", "report", "scalarcal",
+    "diffmag", "diffmag_merge", "diffmag_stream", "effects", "frame", "guess", "ingest", "plot", "recording", "replay", "report", "results", "scalarcal",
     "scalarcal_merge", "scalarcal_stream", "sensorcal", "series", "simulate", "sweep",
 ]
 __version__ = "0.1.0"

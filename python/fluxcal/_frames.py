@@ -39,6 +39,33 @@ def frame(document: Mapping[str, Any], recording: str | None = None, *, kind: st
     return _as(table, kind)
 
 
+def results(document: Mapping[str, Any], *, kind: str = "pandas") -> dict[str, Frame]:
+    """What stages found as columns, a frame for each, by its path: `results(document)["calibration.sensors.x.noise.allan"]`.
+
+    Columns are lists of numbers of one length that stand side by side: residuals, spectra, Allan deviations, series of a diagnosis.
+    """
+    import pyarrow as pa
+
+    found: dict[str, Frame] = {}
+
+    def search(path: str, part: Any) -> None:
+        children = part.items() if isinstance(part, Mapping) else enumerate(part) if isinstance(part, list) else ()
+        columns = {name: values for name, values in part.items() if _numbers(values)} if isinstance(part, Mapping) else {}
+        if len(columns) > 1 and len({len(values) for values in columns.values()}) == 1:
+            found[path] = _as(pa.table({name: pa.array(values, pa.float64()) for name, values in columns.items()}), kind)
+        for name, child in children:
+            search(f"{path}.{name}" if path else str(name), child)
+
+    for part in ("calibration", "diagnosis"):
+        search(part, document.get(part))
+    return found
+
+
+def _numbers(values: Any) -> bool:
+    number = lambda value: value is None or (isinstance(value, (int, float)) and not isinstance(value, bool))
+    return isinstance(values, list) and len(values) > 1 and all(map(number, values))
+
+
 def recording(readings: Frame, id: str, *, procedure: str = "free_run", start: str | None = None,
               conditions: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """A recording of a frame whose columns have a document's names; put it into `document["recordings"]`. `time` is left aside."""

@@ -441,6 +441,12 @@ pub struct ResidualSeries {
     /// What a fitted term makes of `x`, nT; absent where none is drawn.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub fitted_nt: Vec<f64>,
+    /// The readings themselves, nT: along time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub recorded_nt: Vec<f64>,
+    /// By how much the residual is larger without an effect, all else as it was fitted, nT: by its title.
+    #[serde(skip_serializing_if = "IndexMap::is_empty")]
+    pub contributions_nt: IndexMap<String, Vec<f64>>,
     /// Readings in each point; the last may have fewer.
     pub readings: usize,
 }

@@ -15,7 +15,6 @@ use common::{
     AdoptedEffect, Axis, Diagnosis, Document, Quantity, Remaining, Residual, ResidualOf, ResidualSeries,
     Share, Verdict,
 };
-use estimate::grouped::{Grouped, grouped};
 use explain::{Cause, Covariate, Explained};
 use indexmap::IndexSet;
 use joined::Pair;
@@ -25,13 +24,11 @@ use physics::Kind;
 
 use self::declared::Declared;
 use self::frozen::Frozen;
+use crate::drawn::Drawn;
 use crate::{Error, Options, against, plain};
 
 /// A name has at least this probability.
 const NAMED: f64 = 0.9;
-/// Most points of a series.
-const POINTS: usize = 160;
-
 /// What was compared, in the document's names, and what explains it.
 struct Compared {
     /// Ids of the recordings.
@@ -54,6 +51,8 @@ struct Compared {
     /// Rows that are disturbed.
     off: usize,
     along: Vec<Vec<f64>>,
+    /// The readings of each channel, nT.
+    recorded: Vec<Vec<f64>>,
     /// Rms of each channel as the document has it, nT.
     as_it_came: Vec<f64>,
     clock: Option<Clock>,
@@ -119,6 +118,7 @@ impl Compared {
             what: "",
             covariates: covariates.iter().map(|one| one.name.clone()).collect(),
             along: covariates.iter().map(along).collect(),
+            recorded: of.problem.channels,
             time_s,
             acting: of.acting,
             spikes: of.spikes,
@@ -299,7 +299,8 @@ impl Compared {
 
     /// Before and after along time and what is followed.
     fn series(&self) -> Vec<ResidualSeries> {
-        let followed = self.explained.causes.iter().filter_map(|one| match one.cause {
+        let explained = &self.explained;
+        let followed = explained.causes.iter().filter_map(|one| match one.cause {
             Cause::Covariate(number) => {
                 Some((self.covariates[number].as_str(), self.along[number].as_slice()))
             }
@@ -309,23 +310,20 @@ impl Compared {
             [("time_s", self.time_s.as_slice())].into_iter().chain(followed).collect();
         let mut all = Vec::new();
         for (channel, (column, _)) in self.channels.iter().enumerate() {
-            let (before, after) = (&self.explained.before[channel], &self.explained.residual[channel]);
             for (along, x) in &axes {
-                let Some(Grouped { x, columns: [before_nt, after_nt], points }) =
-                    grouped(x, [before, after], POINTS)
-                else {
-                    continue;
+                let timed = *along == "time_s";
+                let of_effects = explained.causes.iter().zip(&explained.contributions);
+                let drawn = Drawn {
+                    x: x.to_vec(),
+                    before: explained.before[channel].clone(),
+                    after: explained.residual[channel].clone(),
+                    recorded: if timed { self.recorded[channel].clone() } else { Vec::new() },
+                    contributions: of_effects
+                        .map(|(one, channels)| (self.name(one.cause), channels[channel].clone()))
+                        .collect(),
                 };
-                all.push(ResidualSeries {
-                    recording: (*along == "time_s").then(|| self.recordings.join(", ")),
-                    column: column.clone(),
-                    along: (*along).into(),
-                    x,
-                    before_nt,
-                    after_nt,
-                    readings: points,
-                    ..ResidualSeries::default()
-                });
+                let recording = timed.then(|| self.recordings.join(", "));
+                all.extend(drawn.series(recording, column, along));
             }
         }
         all

@@ -47,6 +47,7 @@ mod codes;
 mod course;
 mod covariates;
 mod decide;
+mod drawn;
 mod empirical;
 mod events;
 mod evidence;

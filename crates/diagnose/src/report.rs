@@ -131,7 +131,7 @@ pub fn report(
         fit: Some(fit),
         energy,
         base_shift: moved::shifts(model, outcome),
-        series: series::series(model, outcome, &guilty, &fields),
+        series: series::series(model, outcome, &guilty, &fields)?,
         detectable: detectable::detectable(searcher, outcome, &fitter, options)?,
         remaining: Some(Remaining {
             white: !left,

@@ -30,10 +30,11 @@ pub fn series(
             values.iter().zip(whole).map(|(value, whole)| if whole { *value } else { f64::NAN }).collect()
         };
         let mut add = |along: &str, x: &[f64], before: &[f64], after: &[f64], fitted: Option<&[f64]>| {
-            let found = grouped(&whole(x), [before, after, fitted.unwrap_or(after)], POINTS);
-            let Some(Grouped { x, columns: [before_nt, after_nt, fitted_nt], points }) = found else {
-                return;
-            };
+            let columns = [Some(before), Some(after), fitted];
+            let columns: Vec<&[f64]> = columns.into_iter().flatten().collect();
+            let Some(Grouped { x, columns, points }) = grouped(&whole(x), &columns, POINTS) else { return };
+            let mut columns = columns.into_iter();
+            let [before_nt, after_nt, fitted_nt] = [(); 3].map(|()| columns.next().unwrap_or_default());
             all.push(ResidualSeries {
                 recording: None,
                 column: format!("test_{axis}_nt"),
@@ -41,8 +42,9 @@ pub fn series(
                 x,
                 before_nt,
                 after_nt,
-                fitted_nt: if fitted.is_some() { fitted_nt } else { Vec::new() },
+                fitted_nt,
                 readings: points,
+                ..ResidualSeries::default()
             });
         };
         add("time_s", &time, &levels(raw, j), left, None);

@@ -1,4 +1,6 @@
-//! The programs of fluxcal, by name.
+//! The programs of fluxcal, by name, and `fluxcal view`, which runs two of them.
+
+pub mod view;
 
 use std::env::{self, consts::EXE_SUFFIX};
 use std::path::PathBuf;

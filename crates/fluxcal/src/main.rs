@@ -1,7 +1,7 @@
 //! `fluxcal`: runs the program that is named, with its arguments, streams, exit code and signals unchanged.
 
 use clap::{Arg, Command};
-use fluxcal::{PROGRAMS, Program, nearest, program, script};
+use fluxcal::{PROGRAMS, Program, nearest, program, script, view};
 use program::{manual, pipe};
 use std::env;
 use std::ffi::OsString;
@@ -30,6 +30,7 @@ fn main() -> ExitCode {
     let name = arguments.first().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     match program(&name) {
         Some(program) => run(program, &arguments[1..]),
+        None if name == "view" => show(),
         None if name.is_empty() || name.starts_with('-') || name == "help" => {
             manual::matches(command());
             ExitCode::SUCCESS
@@ -40,6 +41,16 @@ fn main() -> ExitCode {
             refused(&format!("no program is called {name}{meant} `fluxcal --help` lists all"))
         }
     }
+}
+
+/// `fluxcal view`; standard output has the page's path.
+fn show() -> ExitCode {
+    let matches = manual::matches(command());
+    let page = matches.subcommand_matches("view").map_or(Err("no file to view".into()), view::run);
+    let written = page.and_then(|page| {
+        pipe::write(None, &format!("{}\n", page.display())).map_err(|error| error.to_string())
+    });
+    written.map_or_else(|words| refused(&words), |()| ExitCode::SUCCESS)
 }
 
 fn command() -> Command {
@@ -57,6 +68,7 @@ fn command() -> Command {
         .after_help(
             "Example:\n  \
             fluxcal simulate campaign fixtures/plans/magsat-axes.json | fluxcal axescal > result.json\n  \
+            fluxcal view result.json\n  \
             fluxcal help axescal\n\n\
             `fluxcal axescal …` is `axescal …`: arguments, streams, exit codes and signals are the program's own.",
         )
@@ -64,6 +76,7 @@ fn command() -> Command {
         .subcommand_help_heading("Programs")
         .arg_required_else_help(true)
         .subcommands(PROGRAMS.iter().map(passed_on))
+        .subcommand(view::command())
 }
 
 /// Becomes the program; where a system knows no such thing, runs it and ends as it did.

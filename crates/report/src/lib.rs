@@ -23,6 +23,8 @@ use page::{number, plot};
 pub struct Options {
     /// SHA-256 of the document's text, in hexadecimal, to be stated on the page.
     pub document_sha256: Option<String>,
+    /// What the document is called, where it states neither a title nor an instrument.
+    pub name: Option<String>,
     /// Hold the document against this specification.
     pub spec: Option<conformity::Spec>,
 }
@@ -34,7 +36,7 @@ pub struct Options {
 /// Where the statement of conformity cannot be made; a document without content gives a page that says so.
 pub fn run(document: &Document, options: &Options) -> Result<Page, common::Error> {
     let conformity = options.spec.as_ref().map(|spec| conformity::section(document, spec)).transpose()?;
-    sections::page(document, conformity, options.document_sha256.as_deref())
+    sections::page(document, conformity, options)
 }
 
 /// What people are told.

@@ -9,7 +9,7 @@ use report::Options;
 use report::certificate::{self, Asked};
 use report::conformity::Spec;
 use report::page::{html, text};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const PROGRAM: Program =
@@ -81,6 +81,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     }
     let (input, mut document) = Input::document(cli.io.file.as_deref(), |file| PROGRAM.ingest(file))?;
     options.document_sha256 = Some(input.sha256());
+    let file = cli.io.file.as_deref().and_then(|file| pipe::named(Some(file)));
+    options.name = file.and_then(Path::file_stem).map(|stem| stem.to_string_lossy().into_owned());
     if let Err(error) = beside::read(&mut document, cli.io.folder(), PROGRAM.takes) {
         pipe::say(&format!("report: {}; the page does without", input.locate(error)));
     }

@@ -6,6 +6,7 @@ mod help;
 mod options;
 mod streams;
 mod umbrella;
+mod view;
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! A page as HTML: one file, no network, no script.
+//! A page as HTML: one file, no network. Without its script it shows the same.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -21,15 +21,20 @@ const IN_TABLE: usize = 200;
 ///
 /// Where its template is wrong.
 pub fn render(page: &Page) -> Result<String, common::Error> {
+    let plots = page.sections.iter().flat_map(|section| &section.items).filter_map(|item| match item {
+        Item::Plot(plot) => Some(plot),
+        _ => None,
+    });
+    let rows = plot::rows_per_entry(plots);
     let sections = page.sections.iter().map(|section| {
-        let is_plot = |item: &Item| matches!(item, Item::Plot(_));
-        let groups = section.items.chunk_by(|a, b| is_plot(a) && is_plot(b));
+        let stacked = |item: &Item| if let Item::Plot(plot) = item { Some(plot.stacked) } else { None };
+        let groups = section.items.chunk_by(|a, b| stacked(a).is_some() && stacked(a) == stacked(b));
         context! {
             id => section.id,
             title => section.title,
             words => section.words,
             warnings => section.warnings.iter().map(|warning| &warning.words).collect::<Vec<_>>(),
-            items => groups.map(items).collect::<Vec<_>>(),
+            items => groups.map(|group| items(group, rows)).collect::<Vec<_>>(),
         }
     });
     let mut environment = template::html();
@@ -37,6 +42,7 @@ pub fn render(page: &Page) -> Result<String, common::Error> {
     let context = context! {
         title => page.title,
         style => include_str!("style.css"),
+        script => concat!(include_str!("drawing.js"), include_str!("script.js")),
         summary => page.summary,
         sections => sections.collect::<Vec<_>>(),
     };
@@ -56,8 +62,8 @@ fn prose(words: &str) -> String {
     parts.iter().enumerate().map(part).collect()
 }
 
-/// Neighbouring plots together, or one item.
-fn items(group: &[Item]) -> Value {
+/// Neighbouring plots together, or one item; plots with so many rows in an entry of their data.
+fn items(group: &[Item], rows: usize) -> Value {
     match group {
         [Item::Heading(heading)] => context! { heading },
         [Item::Words(words)] => context! { words },
@@ -66,11 +72,12 @@ fn items(group: &[Item]) -> Value {
             context! { table => table(one), rows }
         }
         plots => {
+            let stacked = matches!(plots, [Item::Plot(Plot { stacked: true, .. }), ..]);
             let plots = plots.iter().filter_map(|item| match item {
-                Item::Plot(plot) => Some(figure(plot)),
+                Item::Plot(plot) => Some(figure(plot, rows)),
                 _ => None,
             });
-            context! { plots => plots.collect::<Vec<_>>() }
+            context! { stacked, plots => plots.collect::<Vec<_>>() }
         }
     }
 }
@@ -78,8 +85,16 @@ fn items(group: &[Item]) -> Value {
 fn table(table: &Table) -> Value {
     let cell = |cell: &Cell| {
         let text = cell.to_string();
-        let whole = !matches!(cell, Cell::Text(_)) || escape(&text).chars().count() <= SHORT;
-        context! { text, whole }
+        let whole =
+            !matches!(cell, Cell::Text(_) | Cell::Placed(..)) || escape(&text).chars().count() <= SHORT;
+        let link = match cell {
+            Cell::Placed(_, place) => place.link.as_ref().map(|[id, plot]| {
+                let [from, to] = place.time_s;
+                context! { id, plot, recording => place.recording, from, to }
+            }),
+            _ => None,
+        };
+        context! { text, whole, link }
     };
     let row = |row: &Vec<Cell>| row.iter().map(cell).collect::<Vec<_>>();
     context! {
@@ -89,8 +104,9 @@ fn table(table: &Table) -> Value {
     }
 }
 
-fn figure(plot: &Plot) -> Value {
+fn figure(plot: &Plot, rows: usize) -> Value {
     let undrawn = plot.undrawn();
+    let data = plot::data(plot, rows);
     let (plot, thinned) = plot::thinned(plot.clone());
     let legend = plot.series.iter().filter(|_| plot.series.len() > 1 || plot.map);
     let legend = legend.map(|series| context! { swatch => plot::swatch(series), name => series.name });
@@ -106,6 +122,7 @@ fn figure(plot: &Plot) -> Value {
         rows => number::counted(count, "row"),
         table => (count <= IN_TABLE).then(|| table(&plot.table())),
         csv => STANDARD.encode(plot.csv()),
+        data,
     }
 }
 

@@ -8,11 +8,13 @@
 pub mod html;
 mod model;
 pub mod number;
+mod places;
 pub mod plot;
 mod table;
 pub mod template;
 pub mod text;
 pub mod words;
 
-pub use model::{Effect, Finding, Item, Page, Section};
+pub use model::{Effect, Finding, Item, Page, Place, Section};
+pub use places::link;
 pub use table::{Cell, Header, Table};

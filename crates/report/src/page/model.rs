@@ -36,6 +36,17 @@ pub struct Finding {
     pub effect: Effect,
 }
 
+/// An interval of a recording's time that words speak of: where a plot shows it, they lead there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Id of the recording.
+    pub recording: String,
+    /// Its ends in `time_s` of the recording.
+    pub time_s: [f64; 2],
+    /// Id of the words within the page, and of the plot that shows it; None where none does.
+    pub link: Option<[String; 2]>,
+}
+
 /// What a finding does to the result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effect {
@@ -47,6 +58,13 @@ pub enum Effect {
     Std(f64),
     /// There is no number, for this reason.
     Unstated(&'static str),
+}
+
+impl Place {
+    /// A place that no plot shows as yet.
+    pub fn new(recording: impl Into<String>, time_s: [f64; 2]) -> Self {
+        Self { recording: recording.into(), time_s, link: None }
+    }
 }
 
 impl Effect {

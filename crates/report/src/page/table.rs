@@ -3,6 +3,7 @@
 use serde::Serialize;
 use std::fmt;
 
+use crate::page::Place;
 use crate::page::number::{bare, figures, probability, uncertain};
 
 /// A table; every row has as many cells as there are headers.
@@ -33,6 +34,8 @@ pub enum Cell {
     Empty,
     /// Words.
     Text(String),
+    /// Words about an interval of a recording.
+    Placed(String, Place),
     /// A count.
     Count(usize),
     /// A number without an uncertainty, to six figures.
@@ -85,7 +88,7 @@ impl fmt::Display for Cell {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&match self {
             Cell::Empty => "–".into(),
-            Cell::Text(text) => text.clone(),
+            Cell::Text(text) | Cell::Placed(text, _) => text.clone(),
             Cell::Count(count) => count.to_string(),
             Cell::Number(number) => bare(*number),
             Cell::Figures(number, digits) => figures(*number, *digits),

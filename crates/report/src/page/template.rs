@@ -12,7 +12,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::page::plot::{Dimension, Mark, Plot, Series};
-use crate::page::{Cell, Header, Item, Section, Table, number, words};
+use crate::page::{Cell, Header, Item, Place, Section, Table, number, words};
 
 /// What a template calls to add to the page.
 const FUNCTIONS: [&str; 12] = [
@@ -249,6 +249,7 @@ pub fn environment() -> Environment<'static> {
     environment.add_filter("key", |name: String| words::key(&name).0);
     environment.add_filter("unit", |name: String| words::key(&name).1);
     environment.add_filter("std_of", std_of);
+    environment.add_filter("at", at);
     environment.add_filter("minus", minus);
     environment.add_filter("times", |all: Vec<f64>, factor: f64| -> Vec<f64> {
         all.iter().map(|one| one * factor).collect()
@@ -283,6 +284,17 @@ fn std_of(of: &Value, parameter: &str) -> Option<f64> {
     let place = order.position(|name| name.as_str() == Some(parameter))?;
     let row = of.get_attr("covariance").ok()?.get_item_by_index(place).ok()?;
     f64::try_from(row.get_item_by_index(place).ok()?).ok().map(f64::sqrt)
+}
+
+/// Words about an interval or a moment of a recording; words alone where one of these is not known.
+fn at(words: String, recording: Value, time_s: Value) -> Value {
+    let moment = f64::try_from(time_s.clone()).ok().map(|moment| [moment; 2]);
+    let time_s = moment.or_else(|| <[f64; 2]>::deserialize(time_s).ok());
+    let cell = match (recording.as_str(), time_s) {
+        (Some(recording), Some(time_s)) => Cell::Placed(words, Place::new(recording, time_s)),
+        _ => words.into(),
+    };
+    Value::from_object(cell)
 }
 
 /// A list less another, or less a number.

@@ -52,7 +52,9 @@ fn table(out: &mut String, table: &Table) {
         let cells = rows.iter().filter_map(|row| row.get(column)).chain(heads.get(column));
         cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
-    let words = |column: usize| table.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Text(_))));
+    let words = |column: usize| {
+        table.rows.iter().any(|row| matches!(row.get(column), Some(Cell::Text(_) | Cell::Placed(..))))
+    };
     let columns: Vec<(usize, bool)> = (0..heads.len()).map(|column| (width(column), words(column))).collect();
     let line = |cells: &[String]| {
         let pad = |(cell, (width, words)): (&String, &(usize, bool))| {

@@ -6,6 +6,7 @@ mod axes_map;
 mod coils;
 mod conditions;
 mod effects;
+mod events;
 mod findings;
 mod noise;
 mod recordings;
@@ -19,23 +20,24 @@ use minijinja::{Value, context};
 use std::collections::{HashMap, HashSet};
 
 use crate::plot::Plot;
-use crate::{Effect, Finding, Item, Page, Section, Table, number};
+use crate::{Effect, Finding, Item, Options, Page, Section, Table, number};
 
 /// Plots with the name that `sections.jinja` calls them by.
 type Plots = HashMap<String, Vec<Plot>>;
 
-/// The page of a document whose text has this hash, the statement of conformity first.
+/// The page of a document, the statement of conformity first.
 ///
 /// # Errors
 ///
 /// Where a template is wrong.
-pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&str>) -> Result<Page, Error> {
+pub fn page(document: &Document, conformity: Option<Section>, options: &Options) -> Result<Page, Error> {
     let stated = conformity.as_ref().and_then(|section| section.words.first()).cloned();
     let (context, plots) = given(document);
     let parts = parts(document, context.clone(), plots)?;
     let nothing = parts.is_empty();
     let mut sections: Vec<Section> = conformity.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
+    crate::page::link(&mut sections);
     sections.iter_mut().for_each(|part| Finding::sort(&mut part.warnings, |finding| finding));
     let listed = ranked(&sections);
     let first = sections.iter().take_while(|section| section.id == crate::conformity::ID).count();
@@ -43,7 +45,8 @@ pub fn page(document: &Document, conformity: Option<Section>, sha256: Option<&st
     let context = context! {
         nothing,
         conformity => template::part(&stated),
-        sha256 => template::part(&sha256),
+        name => template::part(&options.name),
+        sha256 => template::part(&options.document_sha256),
         ..context
     };
     let head = template::sections(include_str!("../head.jinja"), context, Plots::new())?;
@@ -64,7 +67,10 @@ fn given(document: &Document) -> (Value, Plots) {
     }
     residuals::of_diagnosis(&mut plots, document);
     let pair = calibration.and_then(|found| found.differential.as_ref()?.fit.as_ref());
-    plots.insert("difference".into(), pair.map(|fit| residuals::of_difference(fit)).unwrap_or_default());
+    plots.insert(
+        "difference".into(),
+        pair.map(|fit| residuals::of_difference(fit, document)).unwrap_or_default(),
+    );
     let clock = pair.and_then(|fit| fit.clock.as_ref());
     let clock = clock.map(|clock| [clock.offset_in_words(), clock.rate_in_words()]);
     let middles = pair.and_then(|fit| fit.stability.as_ref()).map(time::middles);

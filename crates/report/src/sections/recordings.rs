@@ -4,14 +4,17 @@ use crate::page::words::{counted, key, slug};
 use common::{Axis, Document, Recording, procedure};
 use minijinja::{Value, context};
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use super::time::Clock;
-use super::{Plots, effects};
+use super::{Plots, effects, events};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
 use crate::{Finding, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
+/// A recording of more rows is drawn as lines.
+const FEW: usize = 1000;
 /// Most recordings whose field is drawn; the longest.
 const FIELDS_DRAWN: usize = 4;
 
@@ -60,8 +63,10 @@ pub fn unread(all: &mut Plots, document: &Document) -> Value {
     unread.sort_by(|a, b| {
         b.rows().cmp(&a.rows()).then(moment(a).total_cmp(&moment(b))).then_with(|| a.id.cmp(&b.id))
     });
-    all.insert("recordings".into(), unread.iter().take(DRAWN).flat_map(|one| plots(one)).collect());
-    context! { count => unread.len(), drawn => unread.len().min(DRAWN) }
+    let drawn = || unread.iter().take(DRAWN);
+    all.insert("recordings".into(), drawn().flat_map(|one| plots(one)).collect());
+    let events: Vec<Value> = drawn().flat_map(|one| events::of(one)).collect();
+    context! { count => unread.len(), drawn => unread.len().min(DRAWN), events }
 }
 
 /// Whether a stage's result speaks of recordings of this procedure.
@@ -108,19 +113,33 @@ fn plots(recording: &Recording) -> Vec<Plot> {
             None => units.push((unit, vec![name])),
         }
     }
-    let (along, x) = Clock::axis(recording);
+    let (along, x, time) = Clock::axis(recording);
+    let segments = events::segments(recording);
     let plot = |(number, (unit, names)): (usize, (String, Vec<&str>))| {
         let words: Vec<String> = names.iter().map(|name| key(name).0).collect();
         let id = format!("recording-{}-{}", slug(&recording.id), number + 1);
         let mut plot = Plot::new(id, format!("{}: {}", recording.id, words.join(", ")))
             .axes(along.clone(), Dimension::linear("reading", unit));
+        plot.time.clone_from(&time);
         for (style, (name, word)) in names.iter().zip(words).enumerate() {
             let column = recording.column(name).unwrap_or_default();
-            plot.push(Series::points(word, style, &x, column));
+            plot.push(series(word, style, &x, column, &segments));
         }
         plot
     };
     units.into_iter().enumerate().map(plot).collect()
+}
+
+/// A shape for each reading of a short recording; lines of a long one, parted at its gaps.
+fn series(name: String, style: usize, x: &[f64], column: &[f64], segments: &[Range<usize>]) -> Series {
+    if column.len() <= FEW {
+        return Series::points(name, style, x, column);
+    }
+    let mut series = Series { name, mark: Mark::Line, style, points: Vec::new() };
+    for rows in segments {
+        series.append(&x[rows.clone()], &column[rows.clone()]);
+    }
+    series
 }
 
 /// The recordings with a field that `correct` made of the readings, the longest first, with its quantity and
@@ -159,13 +178,13 @@ pub fn corrected(all: &mut Plots, document: &Document) -> Value {
                 std => stds,
             });
             if place < FIELDS_DRAWN {
-                let (along, x) = Clock::axis(recording);
+                let (along, x, time) = Clock::axis(recording);
                 let id = format!("corrected-{}-{}-{axis}", slug(&recording.id), slug(quantity));
                 let plot = Plot::new(id, format!("Field along {axis} in {frame}, {}", recording.id))
                     .axes(along, "field [nT]")
                     .with(Series::new("field", Mark::Line, axis.index(), &x, field).with_std(std))
                     .note("Band: one standard uncertainty; it may be narrower than the line.");
-                plots.push(plot);
+                plots.push(Plot { time, ..plot });
             }
         }
     }

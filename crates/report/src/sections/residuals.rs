@@ -2,12 +2,12 @@
 //! likewise.
 
 use crate::page::words::{key, slug};
-use common::{Axis, Diagnosis, DifferentialFit, Document, ResidualSeries};
+use common::{Axis, Diagnosis, DifferentialFit, Document, Recording, ResidualSeries};
 
 use super::time::Clock;
 use super::{Plots, side_by_side};
 use crate::number;
-use crate::plot::{Dimension, Mark, Plot, Series};
+use crate::plot::{Dimension, Mark, Plot, Series, Toggle};
 
 /// Where what is left spans less than this share of what there was, it also has a plot of its own.
 const FLAT: f64 = 0.4;
@@ -22,9 +22,14 @@ pub struct Names<'a> {
     pub residual: &'a str,
     /// Before, after, and what is fitted.
     pub legend: [&'a str; 3],
+    /// The recording whose times these are.
+    pub recording: Option<&'a Recording>,
+    /// The diagnosis whose effects can be switched off.
+    pub diagnosis: Option<&'a Diagnosis>,
 }
 
-/// Before and after together, then after alone on a scale of its own where it would lie flat.
+/// Before and after together, then after alone on a scale of its own where it would lie flat; along time first
+/// the readings with what the model has of them, and last what each effect explains.
 pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot> {
     let times = series.along == "time_s";
     let clock = Clock::of(if times { &series.x } else { &[] });
@@ -40,7 +45,10 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
         let id = format!("{}-{}{id}", names.id, slug(&series.along));
         let (x, y) =
             (Dimension::linear(along.clone(), unit.clone()), Dimension::linear(names.residual, "nT"));
-        Plot::new(id, title).axes(x, y).note(format!("{points} {note}").trim_end())
+        let plot = Plot::new(id, title).axes(x, y).note(format!("{points} {note}").trim_end());
+        let of = names.recording.filter(|_| times);
+        let held_out_nt = names.diagnosis.and_then(|of| of.fit.as_ref()).map(|fit| fit.held_out_after_nt);
+        Plot { time: of.map(|of| clock.timeline(of)), spectrum: times, held_out_nt, ..plot }
     };
     let [before, after, fitted] = names.legend;
     let left = Series::points(after, 0, &x, &series.after_nt);
@@ -49,16 +57,57 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
         .with(Series::points(before, 1, &x, &series.before_nt))
         .with(left.clone())
         .with(Series::new(fitted, Mark::Dashes, 5, &x, &series.fitted_nt));
-    let mut plots = vec![both];
+    let mut plots = Vec::new();
+    if !series.recorded_nt.is_empty() {
+        let pairs = series.recorded_nt.iter().zip(&series.before_nt);
+        let model: Vec<f64> = pairs.map(|(recorded, before)| recorded - before).collect();
+        let of = names.recording.map_or("", |recording| recording.id.as_str());
+        let recorded = plot("-recorded", format!("{}, {of}: recording and model", key(&series.column).0));
+        plots.push(
+            Plot { y: "field [nT]".into(), ..recorded }
+                .with(Series::points("recording", 1, &x, &series.recorded_nt))
+                .with(Series::new("model: stated calibration", Mark::Dashes, 5, &x, &model)),
+        );
+    }
+    plots.push(both);
     let span = |values: &[f64]| number::span(values.iter().copied());
     if span(&series.after_nt) < FLAT * span(&series.before_nt) {
         plots.push(plot("-left", format!("{title}: {after}")).with(left));
     }
+    if times && !series.contributions_nt.is_empty() {
+        let mut explained = plot("-explained", format!("{title}: what each effect explains"));
+        for (style, (effect, values)) in series.contributions_nt.iter().enumerate() {
+            explained.push(Series::new(effect, Mark::Line, style, &x, values));
+        }
+        plots.push(explained);
+    }
+    let stacked = times && !series.recorded_nt.is_empty();
     plots
+        .into_iter()
+        .map(|plot| Plot { stacked, toggles: toggles(&plot, after, series, names.diagnosis), ..plot })
+        .collect()
+}
+
+/// Each effect, to be switched off in what is left.
+fn toggles(plot: &Plot, after: &str, series: &ResidualSeries, diagnosis: Option<&Diagnosis>) -> Vec<Toggle> {
+    let Some(number) = plot.series.iter().position(|one| one.name == after) else { return Vec::new() };
+    let held_out = |title: &str| {
+        let of = diagnosis?;
+        let gain = of.effects.iter().find(|effect| effect.title == title)?.held_out_gain_nt;
+        Some(of.fit.as_ref()?.held_out_after_nt + gain)
+    };
+    let toggle = |(name, y): (&String, &Vec<f64>)| Toggle {
+        name: name.clone(),
+        series: number,
+        y: y.clone(),
+        held_out_nt: held_out(name),
+    };
+    series.contributions_nt.iter().map(toggle).collect()
 }
 
 /// Against time, the field's rate of change and each housekeeping column, the axes side by side.
-pub fn of_difference(fit: &DifferentialFit) -> Vec<Plot> {
+pub fn of_difference(fit: &DifferentialFit, document: &Document) -> Vec<Plot> {
+    let recording = if let [one] = fit.recordings.as_slice() { named(document, one) } else { None };
     let mut along: Vec<&str> = Vec::new();
     for series in &fit.series {
         if !along.contains(&series.along.as_str()) {
@@ -69,13 +118,17 @@ pub fn of_difference(fit: &DifferentialFit) -> Vec<Plot> {
         Axis::ALL.map(|axis| {
             let column = format!("test_{axis}_nt");
             let own = fit.series.iter().filter(|series| series.along == along && series.column == column);
-            own.flat_map(|series| one(axis, series)).collect()
+            own.flat_map(|series| one(axis, series, recording)).collect()
         })
     });
     of_each.flat_map(|axes| side_by_side(axes.into())).collect()
 }
 
-fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
+fn named<'a>(document: &'a Document, id: &str) -> Option<&'a Recording> {
+    document.recordings.iter().find(|one| one.id == id)
+}
+
+fn one(axis: Axis, series: &ResidualSeries, recording: Option<&Recording>) -> Vec<Plot> {
     let (legend, note) = match series.along.as_str() {
         "time_s" => (["offsets removed: T − R", "left: T − R η − d", "fitted"], "Both less their means."),
         "field_rate_nt_per_s" => (
@@ -88,7 +141,18 @@ fn one(axis: Axis, series: &ResidualSeries) -> Vec<Plot> {
         ),
     };
     let title = format!("Difference along test axis {axis}");
-    plots(&Names { id: format!("difference-{axis}"), title, residual: "difference", legend }, series, note)
+    plots(
+        &Names {
+            id: format!("difference-{axis}"),
+            title,
+            residual: "difference",
+            legend,
+            recording,
+            diagnosis: None,
+        },
+        series,
+        note,
+    )
 }
 
 /// Each diagnosis: the first of its series, then the others.
@@ -96,7 +160,7 @@ pub fn of_diagnosis(all: &mut Plots, document: &Document) {
     for (index, diagnosis) in document.diagnosis.iter().flatten().enumerate() {
         let drawn = |(number, series)| {
             let id = format!("residual-{}-{}", index + 1, number + 1);
-            residuals(id, series, diagnosis)
+            residuals(id, series, diagnosis, document)
         };
         let mut series = diagnosis.series.iter().enumerate().map(drawn);
         let first = series.next().unwrap_or_default();
@@ -105,7 +169,8 @@ pub fn of_diagnosis(all: &mut Plots, document: &Document) {
     }
 }
 
-fn residuals(id: String, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<Plot> {
+fn residuals(id: String, series: &ResidualSeries, diagnosis: &Diagnosis, document: &Document) -> Vec<Plot> {
+    let recording = series.recording.as_deref().and_then(|id| named(document, id));
     let of = series.recording.as_deref().unwrap_or("all recordings");
     let (column, _) = key(&series.column);
     let noise = diagnosis.fit.as_ref().map(|fit| {
@@ -114,7 +179,11 @@ fn residuals(id: String, series: &ResidualSeries, diagnosis: &Diagnosis) -> Vec<
     });
     let title = format!("Residual of {column}, {of},");
     let legend = ["before: stated calibration", "after: with the effects found", "fitted"];
-    plots(&Names { id, title, residual: "residual", legend }, series, &noise.unwrap_or_default())
+    plots(
+        &Names { id, title, residual: "residual", legend, recording, diagnosis: Some(diagnosis) },
+        series,
+        &noise.unwrap_or_default(),
+    )
 }
 
 #[cfg(test)]
@@ -132,7 +201,14 @@ mod tests {
             ..ResidualSeries::default()
         };
         let legend = ["before", "after", "fitted"];
-        let names = Names { id: "p".into(), title: "T".into(), residual: "d", legend };
+        let names = Names {
+            id: "p".into(),
+            title: "T".into(),
+            residual: "d",
+            legend,
+            recording: None,
+            diagnosis: None,
+        };
         let plots = |after: Vec<f64>| super::plots(&names, &series(after), "");
         assert_eq!(plots(vec![9.0, 0.0, -9.0]).len(), 1);
         let two = plots(vec![0.1, 0.0, -0.1]);

@@ -1,7 +1,7 @@
 //! Times in a unit that suits them.
 
 use crate::page::number;
-use crate::page::plot::Dimension;
+use crate::page::plot::{Dimension, Timeline};
 use common::{MatrixStability, Recording};
 use minijinja::{Value, context};
 
@@ -23,14 +23,21 @@ impl Clock {
     }
 
     /// The axis of a recording's times with its values, or of its rows where it has no times.
-    pub fn axis(recording: &Recording) -> (Dimension, Vec<f64>) {
+    pub fn axis(recording: &Recording) -> (Dimension, Vec<f64>, Option<Timeline>) {
         match recording.column("time_s") {
             Some(time_s) => {
                 let clock = Self::of(time_s);
-                (Dimension::linear("time", clock.unit), clock.times(time_s))
+                let timeline = clock.timeline(recording);
+                (Dimension::linear("time", clock.unit), clock.times(time_s), Some(timeline))
             }
-            None => ("row".into(), (0..recording.rows()).map(|row| row as f64).collect()),
+            None => ("row".into(), (0..recording.rows()).map(|row| row as f64).collect(), None),
         }
+    }
+
+    /// The time of a recording in this unit.
+    pub fn timeline(&self, recording: &Recording) -> Timeline {
+        let epoch_s = recording.start().map(|start| start.unix_s);
+        Timeline { group: recording.id.clone(), unit_s: self.seconds, epoch_s }
     }
 
     /// Times in this unit.

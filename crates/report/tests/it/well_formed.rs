@@ -32,10 +32,15 @@ fn check(case: &str, page: &Page) -> String {
     let options = ParsingOptions { allow_dtd: true, ..ParsingOptions::default() };
     let xml = Xml::parse_with_options(&html, options).unwrap_or_else(|error| panic!("{case}: {error}"));
     let elements = || xml.descendants().filter(Node::is_element);
-    assert!(
-        elements().all(|node| !["script", "iframe", "img", "link"].contains(&node.tag_name().name())),
-        "{case}"
-    );
+    assert!(elements().all(|node| !["iframe", "img", "link"].contains(&node.tag_name().name())), "{case}");
+    for script in elements().filter(|node| node.tag_name().name() == "script") {
+        assert_eq!(script.attribute("src"), None, "{case}");
+        if script.attribute("type") == Some("application/json") {
+            let data: serde_json::Value =
+                serde_json::from_str(script.text().unwrap_or_default()).expect("JSON");
+            assert!(data["series"].as_array().is_some_and(|all| !all.is_empty()), "{case}: {data}");
+        }
+    }
     let mut ids = HashSet::new();
     for id in elements().filter_map(|node| node.attribute("id")) {
         assert!(ids.insert(id), "{case}: the id {id} twice");

@@ -1,5 +1,7 @@
 //! What is drawn.
 
+use serde::Serialize;
+
 use crate::page::number;
 use crate::page::table::{Cell, Header, Table};
 
@@ -20,10 +22,59 @@ pub struct Plot {
     pub note: String,
     /// One step along x is as long as one along y: maps.
     pub map: bool,
+    /// Stands above the next one, with the same axis of time.
+    pub stacked: bool,
+    /// Where x is the time of a recording.
+    pub time: Option<Timeline>,
+    /// Intervals of x that the page's words speak of.
+    pub marks: Vec<Interval>,
+    /// Explanations that can be switched off.
+    pub toggles: Vec<Toggle>,
+    /// The rms of readings that were held out, with all explanations, nT.
+    pub held_out_nt: Option<f64>,
+    /// Whether the spectrum of what can be switched is of use.
+    pub spectrum: bool,
+}
+
+/// The time of a recording, along x.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Timeline {
+    /// Id of the recording: its plots move together.
+    pub group: String,
+    /// Length of a step of 1 along x, s.
+    pub unit_s: f64,
+    /// Unix time of x = 0, s, where it is known.
+    pub epoch_s: Option<f64>,
+}
+
+/// An interval along x.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Interval {
+    /// What is there.
+    pub name: String,
+    /// Its ends.
+    pub from: f64,
+    /// Its ends.
+    pub to: f64,
+    /// Id of the page's element that speaks of it.
+    pub id: String,
+}
+
+/// An explanation that can be switched off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Toggle {
+    /// Its name.
+    pub name: String,
+    /// Number of the series that it is taken off from.
+    pub series: usize,
+    /// What it takes off, point by point.
+    pub y: Vec<f64>,
+    /// The rms of readings that were held out, without it, nT.
+    pub held_out_nt: Option<f64>,
 }
 
 /// An axis of a plot.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Dimension {
     /// What runs along it.
     pub label: String,
@@ -47,7 +98,8 @@ pub struct Series {
 }
 
 /// How a series is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Mark {
     /// A shape at each point, with a bar from low to high.
     #[default]

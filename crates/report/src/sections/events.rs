@@ -1,0 +1,144 @@
+//! Gaps, steps and spikes of a recording that no program has read, as its times and readings alone show them.
+
+use crate::page::words::{counted, key};
+use crate::page::{Cell, Place};
+use common::Recording;
+use estimate::cadence::Cadence;
+use estimate::events::{Search, Shape};
+use estimate::spectrum::welch;
+use minijinja::{Value, context};
+use std::ops::Range;
+
+use crate::number;
+
+/// Told from so many of its standard uncertainties on, beside the recording's own spectrum: natural variations
+/// are not normally distributed.
+const STRIKING: f64 = 10.0;
+/// Rows of a segment of that spectrum.
+const SEGMENT: usize = 512;
+/// Rows about an event in which another is the same.
+const NEAR: usize = 10;
+/// So many of a kind are listed, the largest.
+const MOST: usize = 12;
+
+/// What stands out at a row.
+struct Event {
+    shape: Shape,
+    row: usize,
+    column: String,
+    size: f64,
+    ratio: f64,
+}
+
+/// The rows between gaps.
+pub fn segments(recording: &Recording) -> Vec<Range<usize>> {
+    let time = recording.column("time_s").and_then(Cadence::of);
+    time.map_or_else(
+        || std::iter::once(0..recording.rows()).collect(),
+        |time| time.segments(recording.rows()),
+    )
+}
+
+/// Rows of the table of gaps, steps and spikes.
+pub fn of(recording: &Recording) -> Vec<Value> {
+    let Some(time) = recording.column("time_s") else { return Vec::new() };
+    let Some(cadence) = Cadence::of(time) else { return Vec::new() };
+    let row = |what: String, size: String, time_s: [f64; 2]| {
+        let place = Cell::Placed(what, Place::new(&recording.id, time_s));
+        context! { recording => recording.id, what => Value::from_object(place), size, at_s => time_s[0] }
+    };
+    let mut gaps: Vec<&_> =
+        cadence.jumps.iter().filter(|jump| jump.interval_s > 1.5 * cadence.usual_s).collect();
+    gaps.sort_by(|a, b| b.interval_s.total_cmp(&a.interval_s));
+    let gaps = gaps.into_iter().take(MOST).map(|jump| {
+        let missing = (jump.interval_s / cadence.usual_s).round() as usize - 1;
+        row("gap".into(), counted(missing, "row"), [time[jump.row - 1], time[jump.row]])
+    });
+    let mut events: Vec<Event> = Vec::new();
+    for name in recording
+        .columns
+        .keys()
+        .filter(|name| ["nt", "v"].iter().any(|unit| name.ends_with(&format!("_{unit}"))))
+    {
+        let values = recording.column(name).unwrap_or_default();
+        let segments = cadence.segments(time.len());
+        events.extend(segments.into_iter().flat_map(|rows| striking(name, values, rows, cadence.usual_s)));
+    }
+    events.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    let events = events.iter().take(MOST).map(|event| {
+        let (column, unit) = key(&event.column);
+        let shape = if event.shape == Shape::Step { "step" } else { "spike" };
+        let size = format!("{} {unit}", number::significant(event.size, 3));
+        row(format!("{shape} of {column}"), size, [time[event.row]; 2])
+    });
+    gaps.chain(events).collect()
+}
+
+/// The steps and spikes of a column within some rows, the largest of neighbours.
+fn striking(column: &str, values: &[f64], rows: Range<usize>, step_s: f64) -> Vec<Event> {
+    let first = rows.start;
+    let Some(series) = filled(&values[rows]) else { return Vec::new() };
+    let Ok(spectrum) = welch(&series, step_s, SEGMENT.min(series.len() / 4)) else { return Vec::new() };
+    let least = spectrum.density.iter().copied().fold(0.0, f64::max) * 1e-12;
+    let density = |frequency: f64| {
+        let bin = spectrum.frequency_hz.partition_point(|known| *known < frequency);
+        spectrum.density[bin.min(spectrum.density.len() - 1)].max(least)
+    };
+    let Ok(search) = Search::new(&series, step_s, &density) else { return Vec::new() };
+    let mut found: Vec<Event> = Vec::new();
+    for shape in [Shape::Spike, Shape::Step] {
+        for row in 0..series.len() {
+            let ratio = search.ratio(shape, row).abs();
+            if ratio > STRIKING {
+                let (size, _) = search.size(shape, row);
+                found.push(Event { shape, row: first + row, column: column.into(), size, ratio });
+            }
+        }
+    }
+    found.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    let mut kept: Vec<Event> = Vec::new();
+    for event in found {
+        if kept.len() < MOST && kept.iter().all(|other| other.row.abs_diff(event.row) > NEAR) {
+            kept.push(event);
+        }
+    }
+    kept
+}
+
+/// A series whose missing values are those before them; None of few or constant ones.
+fn filled(values: &[f64]) -> Option<Vec<f64>> {
+    let mut last = values.iter().copied().find(|value| value.is_finite())?;
+    let hold = |value: &f64| {
+        if value.is_finite() {
+            last = *value;
+        }
+        last
+    };
+    let series: Vec<f64> = values.iter().map(hold).collect();
+    (series.len() >= 8 * NEAR && number::span(series.iter().copied()) > 0.0).then_some(series)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_spike_and_a_step_are_told_and_noise_is_not() {
+        let mut state = 1977_u32;
+        let mut noise = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(state >> 8) / f64::from(1 << 24) - 0.5
+        };
+        let quiet: Vec<f64> = (0..4000).map(|row| noise() + (f64::from(row) / 300.0).sin()).collect();
+        assert!(striking("sensor_x_nt", &quiet, 0..4000, 1.0).is_empty());
+        let mut marked = quiet;
+        marked[1000] += 20.0;
+        marked[3000..].iter_mut().for_each(|value| *value += 15.0);
+        let mut found: Vec<(usize, Shape)> = striking("sensor_x_nt", &marked, 0..4000, 1.0)
+            .iter()
+            .map(|event| (event.row, event.shape))
+            .collect();
+        found.sort_by_key(|(row, _)| *row);
+        assert_eq!(found, [(1000, Shape::Spike), (3000, Shape::Step)]);
+    }
+}
