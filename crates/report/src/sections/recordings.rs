@@ -5,10 +5,10 @@ use common::{Axis, Document, Recording, procedure};
 use minijinja::{Value, context};
 use std::collections::BTreeMap;
 
+use super::Plots;
 use super::time::Clock;
-use super::{Plots, effects};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
-use crate::{Finding, number};
+use crate::{Effect, Finding, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
@@ -187,7 +187,7 @@ pub fn flagged(document: &Document) -> Vec<Finding> {
             recording.id,
             counts.join(", ")
         );
-        (!counts.is_empty()).then(|| Finding::of(words, effects::LEFT_OUT))
+        (!counts.is_empty()).then(|| Finding::of(words, Effect::Unstated("left out of the result")))
     });
     found.collect()
 }
