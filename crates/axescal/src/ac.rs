@@ -2,7 +2,7 @@
 //! Orientation Given Direction Cosines of the Calibration Coils").
 
 use common::number::{significant, uncertain};
-use common::{Axis, Instrument, PhaseResult, Quantity};
+use common::{Axis, Code, Instrument, PhaseResult, Quantity};
 use estimate::sine::{self, Basis, Quantiser, Sine};
 use estimate::stats;
 use nalgebra::{Complex, DMatrix, DVector, Vector3};
@@ -173,9 +173,9 @@ pub fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<()> {
             if result.p_value * (all.sensors.len() as f64) < PHASE_P {
                 let (rad, ms) = (uncertain(phase.abs(), phase_std), significant(result.delay_s * 1e3, 3));
                 let way = if phase < 0.0 { "behind" } else { "ahead of" };
-                all.findings.push(format!(
+                all.findings.push(Code::PhaseLag.about(sensor).said(format!(
                     "sensor {sensor} responds {rad} rad {way} the drive at {hz} Hz, equivalent to a delay of {ms} ms"
-                ));
+                )));
             }
             all.phases.push(result);
             for (run, phasor, std) in phasors {

@@ -1,6 +1,7 @@
 //! Whether a fit that has converged answers: directions known well enough, readings that fit.
 
 use common::number::{counted, plural, significant};
+use common::{Code, Finding};
 use estimate::Problem;
 use faer::Mat;
 use physics::frames::ARCSEC;
@@ -54,7 +55,7 @@ pub fn check(
 }
 
 /// What a robust fit left out. A large share is no longer a matter of single readings.
-pub fn rejected(problem: &AxesProblem<'_>, weights: &[f64], residuals_nt: &[f64]) -> Result<Option<String>> {
+pub fn rejected(problem: &AxesProblem<'_>, weights: &[f64], residuals_nt: &[f64]) -> Result<Option<Finding>> {
     let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
     let readings = counted(weights.len(), "reading");
     if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {
@@ -70,7 +71,8 @@ pub fn rejected(problem: &AxesProblem<'_>, weights: &[f64], residuals_nt: &[f64]
         let list: Vec<String> = orientations.iter().map(usize::to_string).collect();
         let (count, were) = (out.len(), plural(out.len(), "was", "were"));
         let (in_orientations, list) = (plural(list.len(), "orientation", "orientations"), list.join(", "));
-        format!("{count} of {readings} {were} given no weight, in {in_orientations} {list}")
+        Code::Outliers
+            .said(format!("{count} of {readings} {were} given no weight, in {in_orientations} {list}"))
     }))
 }
 

@@ -1,7 +1,7 @@
 //! What must be there before readings can be made of a recording, each fault with its own sentence.
 
 use common::number::{counted, significant};
-use common::{Axis, Document, Recording};
+use common::{Axis, Code, Document, Recording};
 use physics::{Basic, Context, Unit};
 
 use crate::observations::sensor_column;
@@ -91,9 +91,9 @@ pub fn constants(
             let expected = "the sensitivity in nT/V; run sensorcal first, or write it there";
             return Err(Error::document(key, found, expected));
         };
-        let said = format!(
+        let said = Code::NominalSensitivity.about(sensor).said(format!(
             "sensor {sensor} is not calibrated; its nominal sensitivity of {nominal} nT/V was taken as exact"
-        );
+        ));
         if !all.findings.contains(&said) {
             all.findings.push(said);
         }

@@ -5,6 +5,7 @@
 //! normal number when the statement is true. A constant that is beyond chance is left free, and said.
 
 use common::number::significant;
+use common::{Code, Finding};
 use estimate::influence;
 use estimate::{Fit, Options as Iteration, Problem, stats};
 
@@ -68,7 +69,7 @@ pub fn settle(
     start: &AxesState,
     weights: &[f64],
     known_scale: bool,
-) -> Result<(Freedom, Vec<String>)> {
+) -> Result<(Freedom, Vec<Finding>)> {
     let solve = |freedom: &Freedom, factor: f64| {
         let problem = AxesProblem::new(observations, freedom, NoiseFactors::both(factor));
         estimate::solve(&problem, start.clone(), Some(weights), &Iteration::default())
@@ -96,11 +97,11 @@ pub fn settle(
             break;
         }
         freedom.release(*unknown);
-        findings.push(format!(
+        findings.push(Code::PriorContradicted.about(significant(pull.abs(), 3)).said(format!(
             "the readings put {} {} standard uncertainties from the value that the document states; it was fitted without this prior",
             name(*unknown),
             significant(pull.abs(), 3)
-        ));
+        )));
     }
     let problem = AxesProblem::new(observations, &freedom, NoiseFactors::both(factor));
     if let Ok(fit) = solve(&freedom, factor) {
@@ -120,28 +121,27 @@ fn pulls(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Vec<(Unknown, f64)>
 }
 
 /// The theodolites, judged by all their corrections together.
-fn orientations(pulls: &[(Unknown, f64)]) -> Option<String> {
+fn orientations(pulls: &[(Unknown, f64)]) -> Option<Finding> {
     let own = pulls.iter().filter(|(unknown, _)| matches!(unknown, Unknown::Correction(..)));
     let corrections: Vec<f64> = own.map(|(_, pull)| *pull).collect();
     let far = corrections.iter().map(|pull| pull.abs()).fold(0.0, f64::max);
     let p = stats::two_sided_p(far, f64::INFINITY) * corrections.len() as f64;
     (!corrections.is_empty() && p < VIOLATED_P).then(|| {
-        format!(
+        Code::OrientationContradicted.about(significant(far, 3)).said(format!(
             "the correction of an orientation is {} times the theodolites' uncertainty; read it again, or state a larger uncertainty",
             significant(far, 3)
-        )
+        ))
     })
 }
 
 /// The coils that were given as known, judged by all their turns together.
-fn known_coils(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Option<String> {
+fn known_coils(problem: &AxesProblem<'_>, fit: &Fit<AxesState>) -> Option<Finding> {
     let leverage = fit.svd.leverage();
     let rows = problem.known_coil_row_numbers();
     let freedom: f64 = rows.clone().map(|row| 1.0 - leverage[row]).sum();
     let squares: f64 = rows.map(|row| fit.residual[row].powi(2)).sum();
     (freedom > 0.5 && stats::chi_squared_p(squares, freedom) < VIOLATED_P).then(|| {
-        "the readings contradict the known directions of the coils; the coils may have moved, or a constant may be wrong"
-            .into()
+        Code::KnownCoilsContradicted.said("the readings contradict the known directions of the coils; the coils may have moved, or a constant may be wrong")
     })
 }
 

@@ -4,7 +4,7 @@
 
 use common::number::significant;
 use common::uncertainty::{self, By};
-use common::{AdoptedEffect, Document, Quantity};
+use common::{AdoptedEffect, Code, Document, Finding, Quantity};
 use faer::Mat;
 use indexmap::IndexSet;
 use physics::{EffectInstance, LeftOut, Role};
@@ -114,20 +114,21 @@ fn stands_for(adopted: &AdoptedEffect, effect: &EffectInstance) -> bool {
         && adopted.recording == effect.recording
 }
 
-fn words(effects: &[EffectInstance], places: &Places, added: &Added) -> Vec<String> {
+fn words(effects: &[EffectInstance], places: &Places, added: &Added) -> Vec<Finding> {
     let names: IndexSet<&str> = effects.iter().map(|effect| effect.kind.name()).collect();
     let names: Vec<&str> = names.into_iter().collect();
     let model = (!names.is_empty()).then(|| format!("{} of the model", names.join(", ")));
     let taken: Vec<String> = places.act().then(|| GRADIENTS.to_string()).into_iter().chain(model).collect();
-    let mut words = vec![format!(
+    let mut words = vec![Code::ModelSubtracted.about(significant(added.largest(), 3)).said(format!(
         "subtracted from the readings, at most {} nT: {}",
         significant(added.largest(), 3),
         taken.join(", ")
-    )];
+    ))];
     let mut told: IndexSet<(&str, &str)> = IndexSet::new();
     for LeftOut { recording, who, what } in &added.left_out {
         if told.insert((who, what)) {
-            words.push(format!("{who} is not applied in \"{recording}\": {what} is missing"));
+            let said = format!("{who} is not applied in \"{recording}\": {what} is missing");
+            words.push(Code::EffectNotApplied.said(said));
         }
     }
     words

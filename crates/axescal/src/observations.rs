@@ -1,6 +1,6 @@
 //! Readings in nT, each with its drive, its orientation and its standard deviation.
 
-use common::{Axis, Recording};
+use common::{Axis, Finding, Recording};
 use nalgebra::{DMatrix, Vector3};
 use physics::Unit;
 use physics::frames::Orientation;
@@ -93,7 +93,7 @@ pub struct Observations {
     /// Phases of AC runs.
     pub phases: Vec<common::PhaseResult>,
     /// What looks wrong, in words.
-    pub findings: Vec<String>,
+    pub findings: Vec<Finding>,
 }
 
 impl Observations {

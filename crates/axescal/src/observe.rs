@@ -1,7 +1,7 @@
 //! From the recordings of a document to readings in nT.
 
 use common::number::significant;
-use common::{Axis, Document, Noise, Recording, procedure};
+use common::{Axis, Code, Document, Noise, Recording, procedure};
 use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 use std::ops::Range;
@@ -70,10 +70,10 @@ pub fn observe_without(
         });
         let orientation = same.unwrap_or_else(|| {
             if recording.conditions.orientation.is_none() && recording.conditions.theodolite.is_none() {
-                all.findings.push(format!(
+                all.findings.push(Code::NoOrientation.said(format!(
                     "recording \"{}\" states no orientation; the block is taken as aligned with GEO",
                     recording.id
-                ));
+                )));
             }
             conditions.push(&recording.conditions);
             all.orientations
@@ -111,8 +111,7 @@ fn one_noise_for_all(all: &mut Observations) {
     if all.noise == NoiseSource::Residuals {
         if all.readings.iter().any(|reading| reading.std_nt != 1.0) {
             all.findings.push(
-                "the noise of some readings is not declared; one value for all is estimated from the residuals"
-                    .into(),
+                Code::NoiseNotDeclared.said("the noise of some readings is not declared; one value for all is estimated from the residuals"),
             );
         }
         all.readings.iter_mut().for_each(|reading| reading.std_nt = 1.0);
@@ -259,10 +258,10 @@ fn choose_coils(all: &mut Observations, options: &Options) -> Result<()> {
     for axis in Axis::ALL.into_iter().filter(|axis| !all.coils.contains(axis)) {
         let field = largest(axis);
         if field > WEAK_NT {
-            all.findings.push(format!(
+            all.findings.push(Code::WeakCoil.about(axis).said(format!(
                 "coil {axis} produces at most {} nT, too little for a direction; its nominal axis is assumed",
                 significant(field, 3)
-            ));
+            )));
         }
     }
     Ok(())

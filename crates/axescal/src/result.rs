@@ -1,9 +1,10 @@
 //! The solution as `calibration.axes`.
 
 use common::{
-    AxesCalibration, AxesFit, AxesReadings, Axis, Document, DoubtfulReading, IterationStep,
+    AxesCalibration, AxesFit, AxesReadings, Axis, Code, Document, DoubtfulReading, Findings, IterationStep,
     OrientationResult, PerAxis, Quantity,
 };
+use estimate::stats::rms;
 use faer::Mat;
 use nalgebra::Matrix3;
 use physics::frames::ARCSEC;
@@ -28,7 +29,8 @@ pub fn describe(
     let stated = |axes: &[Axis], matrix: &Matrix3<f64>, turns: &Mat<f64>| {
         physics::directions(axes, matrix, &covariance(turns, turns))
     };
-    let mut findings = observations.findings.clone();
+    let mut findings = Findings::default();
+    findings.extend(observations.findings.iter().cloned());
     findings.extend(solution.findings.iter().cloned());
     let constants = constants(solution, observations, &mut findings);
     let calibration = document.calibration.as_ref();
@@ -58,7 +60,7 @@ pub fn describe(
 type Constants = (Option<PerAxis<Quantity>>, Option<PerAxis<Quantity>>);
 
 /// Residual field and offsets, as far as the recordings separate them.
-fn constants(solution: &Solution, observations: &Observations, findings: &mut Vec<String>) -> Constants {
+fn constants(solution: &Solution, observations: &Observations, findings: &mut Findings) -> Constants {
     let shown = |axis: &Axis| crate::freedom::separates_constants(observations, *axis);
     if !observations.sensors.iter().any(shown) {
         return (None, None);
@@ -88,10 +90,10 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Ve
         *offsets.entry(axis) = quantity(offset, Unknown::Offset(axis), name);
     }
     if !mixed.is_empty() {
-        findings.push(format!(
+        findings.push(Code::NotDetermined.said(format!(
             "{} cannot be separated by zero drives in these orientations; record zero drives with the block turned over (180°)",
             mixed.join(", ")
-        ));
+        )));
     }
     let some = |all: PerAxis<Quantity>| Some(all).filter(|all| all.iter().next().is_some());
     (some(field), some(offsets))
@@ -196,8 +198,4 @@ fn readings(document: &Document, observations: &Observations, solution: &Solutio
         columns.t.push(influence.t);
     }
     columns
-}
-
-fn rms(values: &[f64]) -> f64 {
-    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }

@@ -3,6 +3,7 @@
 //! standard deviations come from different sources.
 
 use common::number::{counted, p_value, plural, significant};
+use common::{Code, Finding};
 use estimate::{Fit, Options as Iteration, Problem, robust, stats};
 
 use crate::{
@@ -220,24 +221,24 @@ impl Settled<'_> {
         self.scattering.iter().map(of).fold(f64::INFINITY, f64::min)
     }
 
-    pub fn words(&self) -> Vec<String> {
+    pub fn findings(&self) -> Vec<Finding> {
         if self.observations.noise == NoiseSource::Residuals {
             return Vec::new();
         }
         let told = self.scattering.iter().map(|(kind, spread)| {
             scatters(*kind, kind.factor(self.noise), self.chi_squared.is_some().then_some(spread))
         });
-        let mut words: Vec<String> = told.collect();
+        let mut findings: Vec<Finding> = told.collect();
         if let Some((sum, _)) = self.chi_squared.filter(|(_, p)| 1.0 - p < CHI_SQUARED_P)
             && self.scattering.is_empty()
             && self.observations.noise == NoiseSource::Declared
         {
-            words.push(format!(
+            findings.push(Code::NoiseOverstated.said(format!(
                 "the readings scatter only {} times as much as declared; the declared noise may be too large",
                 significant((sum / self.estimate.spread.degrees_of_freedom).sqrt(), 3)
-            ));
+            )));
         }
-        words
+        findings
     }
 
     /// Where the standard deviations come from, kind by kind where only one of them was scaled.
@@ -256,7 +257,7 @@ impl Settled<'_> {
     }
 }
 
-fn scatters(kind: ReadingKind, factor: f64, spread: Option<&Spread>) -> String {
+fn scatters(kind: ReadingKind, factor: f64, spread: Option<&Spread>) -> Finding {
     let test = spread.map_or_else(String::new, |spread| {
         let freedom = counted(spread.degrees_of_freedom.round() as usize, "degree");
         format!(
@@ -265,9 +266,9 @@ fn scatters(kind: ReadingKind, factor: f64, spread: Option<&Spread>) -> String {
             p_value(spread.p())
         )
     });
-    format!(
+    Code::ExcessScatter.said(format!(
         "{} scatter {} times as much as declared{test}; their standard deviations are scaled up accordingly. --free-scales shows whether a constant is wrong, --robust the effect of outliers",
         kind.name(),
         significant(factor, 3)
-    )
+    ))
 }

@@ -1,6 +1,6 @@
 //! From readings to a solution with its uncertainty.
 
-use common::{Axis, Document};
+use common::{Axis, Document, Finding};
 use estimate::influence::{self, Influence};
 use estimate::{Fit, Options as Iteration, Problem, stats};
 use faer::Mat;
@@ -45,7 +45,7 @@ pub struct Solution {
     pub doubtful: Vec<doubts::Doubt>,
     /// The steps of the first, plain iteration, in units of the declared noise.
     pub steps: Vec<estimate::Step>,
-    pub findings: Vec<String>,
+    pub findings: Vec<Finding>,
 }
 
 impl Solution {
@@ -91,7 +91,7 @@ pub fn solve(document: &Document, observations: &Observations, options: &Options
     // The fit and its noise.
     let settled = scatter::settle(observations, &freedom, plain.state, options)?;
     let (noise, noise_freedom, noise_source) = (settled.noise, settled.freedom(), settled.source());
-    let scatters = settled.words();
+    let scatters = settled.findings();
     let Settled { estimate, chi_squared, .. } = settled;
     let problem = AxesProblem::new(observations, &freedom, noise);
     let fit = if options.robust { unweighted(&problem, estimate.fit)? } else { estimate.fit };

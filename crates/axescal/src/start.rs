@@ -1,6 +1,6 @@
 //! Where the iteration begins, and whether a channel is reversed or two are swapped.
 
-use common::{Axis, Document};
+use common::{Axis, Code, Document, Finding};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames;
 
@@ -16,7 +16,7 @@ pub fn begin(
     document: &Document,
     observations: &Observations,
     options: &Options,
-) -> Result<(AxesState, Vec<String>)> {
+) -> Result<(AxesState, Vec<Finding>)> {
     let first = first_model(document, observations, options)?;
     let mut products = [[[0.0; 3]; 3]; 3];
     for reading in &observations.readings {
@@ -63,17 +63,18 @@ pub fn begin(
         let i = axis.index();
         if swap[i] != i {
             let other = Axis::ALL[swap[i]];
-            findings.push(format!("sensor {axis} reads along {other}: columns or cables may be swapped"));
+            let words = format!("sensor {axis} reads along {other}: columns or cables may be swapped");
+            findings.push(Code::Swapped.about(axis).said(words));
         }
         if sign(sensors, i) < 0.0 {
-            findings.push(format!(
+            findings.push(Code::SensorReversed.about(axis).said(format!(
                 "sensor {axis} reads with the opposite sign, as with a mirrored axis or reversed wiring; its direction is fitted as it reads"
-            ));
+            )));
         }
         if sign(coils, i) < 0.0 {
-            findings.push(format!(
+            findings.push(Code::CoilReversed.about(axis).said(format!(
                 "the field of coil {axis} has the opposite sign, as with reversed leads or a reversed current reading; its direction is fitted as it acts"
-            ));
+            )));
         }
     }
     Ok((AxesState { mu, eta, ..first }, findings))

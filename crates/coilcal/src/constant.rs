@@ -3,7 +3,9 @@
 use common::covariance;
 use common::number::{counted, p_value};
 use common::uncertainty::{self, Block};
-use common::{Budget, CoilCalibration, CoilFit, CoilResiduals, Document, Quantity, Uncertainty};
+use common::{
+    Budget, Code, CoilCalibration, CoilFit, CoilResiduals, Document, Findings, Quantity, Uncertainty,
+};
 use estimate::stats;
 use faer::Mat;
 
@@ -106,23 +108,23 @@ pub fn calibrate(document: &Document, coil: &Readings, joint: &mut Uncertainty) 
     })
 }
 
-fn findings(coil: &Readings, fit: &CoilFit) -> Vec<String> {
-    let mut findings = Vec::new();
+fn findings(coil: &Readings, fit: &CoilFit) -> Findings {
+    let mut findings = Findings::default();
     for departure in fit.departures.iter().filter(|departure| departure.found) {
         let size: Vec<String> =
             departure.parameter.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        findings.push(format!(
+        findings.push(Code::Nonlinear.said(format!(
             "not a straight line: {} (unadjusted {}, adjusted {}); fitted jointly with constant and offset",
             departure.departure,
             size.join(", "),
             p_value(departure.p_adjusted)
-        ));
+        )));
     }
     if !fit.rivals.is_empty() {
-        findings.push(format!(
+        findings.push(Code::Ambiguous.said(format!(
             "{} would explain the readings about as well; to distinguish them, record fields closer to zero, or the levels in another order",
             fit.rivals.join(" or ")
-        ));
+        )));
     }
     if let Some(lack) = fit.lack_of_fit.filter(|lack| lack.p_value < TOLD_BELOW) {
         let left = if fit.departures.iter().any(|departure| departure.found) {
@@ -130,16 +132,16 @@ fn findings(coil: &Readings, fit: &CoilFit) -> Vec<String> {
         } else {
             "no effect in the search explains it"
         };
-        findings.push(format!(
+        findings.push(Code::LackOfFit.said(format!(
             "the levels scatter more than repeated readings (lack of fit, {}) and {left}; the uncertainties are based on the {}",
             p_value(lack.p_value),
             fit.noise_source
-        ));
+        )));
     }
     let signs = [1.0, -1.0].map(|sign| coil.readings.iter().any(|reading| reading.current_a * sign > 0.0));
     if signs.contains(&false) {
-        findings
-            .push("the current was recorded in one direction only; the offset is an extrapolation".into());
+        let words = "the current was recorded in one direction only; the offset is an extrapolation";
+        findings.push(Code::OneDirectionOnly.said(words));
     }
     findings
 }

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Axis, Extra, Matrix3x3, OneOrEach, PerAxis, Quantity};
+use crate::{Axis, Extra, Findings, Matrix3x3, OneOrEach, PerAxis, Quantity};
 
 /// Directions of the sensors in SEN and of the coils in GEO, with what stands behind them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -52,8 +52,8 @@ pub struct AxesCalibration {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub doubtful: Vec<DoubtfulReading>,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Every reading: residual, leverage and leave-one-out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub readings: Option<AxesReadings>,

@@ -1,7 +1,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::{Extra, Quantity};
+use crate::{Extra, Findings, Quantity};
 
 /// How a coil's constant was found, by coilcal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,8 +44,8 @@ pub struct CoilFit {
     /// The levels.
     pub residuals: CoilResiduals,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

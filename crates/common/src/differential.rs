@@ -2,7 +2,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use crate::diagnosis::ABSURD;
-use crate::{AllanDeviation, Extra, HeldOutPrediction, Matrix3x3, PerAxis, Quantity, ResidualSeries};
+use crate::{
+    AllanDeviation, Extra, Findings, HeldOutPrediction, Matrix3x3, PerAxis, Quantity, ResidualSeries,
+};
 
 mod clock;
 mod contribution;
@@ -102,8 +104,8 @@ pub struct DifferentialFit {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub series: Vec<ResidualSeries>,
     /// What looks wrong, in words: what can be taken off first, by what it does to the difference.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

@@ -1,7 +1,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::{Extra, Noise, PerAxis, Quantity};
+use crate::{Extra, Findings, Noise, PerAxis, Quantity};
 
 /// How the sensors were calibrated by the magnitude of the field, by scalarcal. The calibration itself stands
 /// under `sensors` and `axes.sensors`.
@@ -65,8 +65,8 @@ pub struct ScalarCalibration {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyIron>,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

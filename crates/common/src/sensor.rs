@@ -2,8 +2,8 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    Budget, CrossFieldFit, Departure, ErrorBudget, Extra, OffsetDrift, Quantity, ReversalOffset, SensorNoise,
-    TemperatureFit,
+    Budget, CrossFieldFit, Departure, ErrorBudget, Extra, Findings, OffsetDrift, Quantity, ReversalOffset,
+    SensorNoise, TemperatureFit,
 };
 
 /// One sensor: B = k V + O, the field along the sensor's own axis.
@@ -90,8 +90,8 @@ pub struct SensitivityFit {
     /// Every reading that was used.
     pub residuals: SensitivityResiduals,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

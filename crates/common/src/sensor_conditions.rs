@@ -1,7 +1,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::{Departure, Extra, FTest, FitNoise, Quantity, TestResult};
+use crate::{Departure, Extra, FTest, Findings, FitNoise, Quantity, TestResult};
 
 /// What temperatures do to a sensor's sensitivity and offset.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -30,8 +30,8 @@ pub struct TemperatureFit {
     /// Noise of the fit.
     pub noise: FitNoise,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
@@ -142,8 +142,8 @@ pub struct CrossFieldFit {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub significance: Option<TestResult>,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

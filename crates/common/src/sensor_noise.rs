@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Extra, MergedSpectrum, Noise, Quantity, SpectralLine};
+use crate::{Extra, Findings, MergedSpectrum, Noise, Quantity, SpectralLine};
 
 /// Noise of a sensor in a shield: P(f) = A f^-α + white + lines.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -45,8 +45,8 @@ pub struct SensorNoise {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub lines: Vec<SpectralLine>,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

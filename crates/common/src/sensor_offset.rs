@@ -1,7 +1,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::{Extra, FitNoise, Quantity};
+use crate::{Extra, Findings, FitNoise, Quantity};
 
 /// Offset of a sensor by turning it through 180° in a shield.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -17,8 +17,8 @@ pub struct ReversalOffset {
     /// What a turn that is not quite 180° may do.
     pub imperfect_turn: ImperfectTurn,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
@@ -107,8 +107,8 @@ pub struct OffsetDrift {
     /// Probability of each noise with memory, `flicker` and `random_walk`.
     pub noise: IndexMap<String, f64>,
     /// What looks wrong, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,

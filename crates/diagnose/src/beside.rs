@@ -15,6 +15,7 @@ use common::{
     AdoptedEffect, Axis, Diagnosis, Document, Quantity, Remaining, Residual, ResidualOf, ResidualSeries,
     Share, Verdict,
 };
+use estimate::stats::rms;
 use explain::{Cause, Covariate, Explained};
 use indexmap::IndexSet;
 use joined::Pair;
@@ -100,11 +101,6 @@ pub fn magnitude(
 fn asked(document: &Document, recordings: &[String], covariates: &[Covariate]) -> Asked {
     let given = unrecorded::working_hours(document, recordings).into_iter().collect();
     Asked { covariates: covariates.to_vec(), correct_clock: false, unrecorded: true, given }
-}
-
-/// Root of the mean of the squares.
-fn rms(of: &[f64]) -> f64 {
-    (of.iter().map(|value| value * value).sum::<f64>() / of.len().max(1) as f64).sqrt()
 }
 
 impl Compared {

@@ -268,7 +268,8 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
         None => document.clone(),
     };
     let gathered = joined::gathered(&original)?;
-    let notes = gathered.as_ref().map(|gathered| gathered.told.clone()).unwrap_or_default();
+    let notes = gathered.iter().flat_map(|gathered| &gathered.told).map(|told| told.words.clone());
+    let notes: Vec<String> = notes.collect();
     let original = gathered.map_or(original, |gathered| gathered.document);
     let mut observed = Observed::of(&original)?;
     observed.notes.splice(0..0, notes);

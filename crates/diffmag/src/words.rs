@@ -5,9 +5,9 @@ use common::number::{
 };
 use common::unit;
 use common::{
-    Axis, ClockDifference, Contribution, ContributionCause, DifferenceAxis, DifferentialFit, Document, Drift,
-    DriftForm, EventInstrument, EventKind, Followed, FourteenParameters, KeptOut, KeptOutEvent, Magnetometer,
-    OneMatrix, PlainRegression,
+    Axis, ClockDifference, Code, Contribution, ContributionCause, DifferenceAxis, DifferentialFit, Document,
+    Drift, DriftForm, EventInstrument, EventKind, Finding, Findings, Followed, FourteenParameters, KeptOut,
+    KeptOutEvent, Magnetometer, OneMatrix, PlainRegression,
 };
 
 use crate::reference_noise;
@@ -46,8 +46,8 @@ fn better(fit: &DifferentialFit) -> Option<String> {
 
 /// The largest thing that can be mended, else what the matrix does.
 fn mended(fit: &DifferentialFit) -> String {
-    if let Some(words) = fit.axes.iter().find_map(|(axis, of)| exceeded(axis, of)) {
-        return words;
+    if let Some(finding) = fit.axes.iter().find_map(|(axis, of)| exceeded(axis, of)) {
+        return finding.words;
     }
     let lowers = |one: &&Contribution| one.changes().any(|(_, with, without)| without < MATTERS * with);
     let mended = |one: &&Contribution| one.cause != ContributionCause::ShortPeriods;
@@ -65,13 +65,13 @@ fn mended(fit: &DifferentialFit) -> String {
 }
 
 /// An axis of which more is left than there was.
-fn exceeded(axis: Axis, of: &DifferenceAxis) -> Option<String> {
+fn exceeded(axis: Axis, of: &DifferenceAxis) -> Option<Finding> {
     let own = of.exceeded_nt()?;
-    Some(format!(
+    Some(Code::ResidualIncreased.about(axis).said(format!(
         "test {axis}: the residual of {} nT rms exceeds the {} nT before any fit; do not use this matrix",
         significant(of.left_nt(), 3),
         significant(own, 3)
-    ))
+    )))
 }
 
 /// What a contribution is and what the difference is without it.
@@ -106,17 +106,17 @@ pub fn clock(clock: &ClockDifference) -> String {
 }
 
 /// Slow changes that may be a drift or noise alone.
-fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = String> {
+fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = Finding> {
     fit.axes.iter().filter_map(|(axis, of)| {
         let found = of.drift.explanations.as_ref()?;
         let open = of.drift.demanded == DriftForm::None && found.drift > UNDECIDED;
         open.then(|| {
-            format!(
+            Code::DriftOrNoise.about(axis).said(format!(
                 "test {axis}: a drift of {:+} nT a day (probability {}), or noise with memory and no drift ({}); a longer recording would decide",
                 found.straight_nt_per_day,
                 significant(found.drift, 2),
                 significant(found.noise_alone, 2)
-            )
+            ))
         })
     })
 }
@@ -215,23 +215,25 @@ pub fn short_periods(fit: &DifferentialFit) -> Option<String> {
 
 /// What looks wrong, or is worth knowing: what can be taken off first, the largest before the others.
 /// `wider`: of each axis, how many times as wide its intervals are by what is left itself.
-pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
-    let mut findings: Vec<String> = fit.axes.iter().filter_map(|(axis, of)| exceeded(axis, of)).collect();
-    findings.extend(fit.contributions.iter().map(contribution));
-    findings.extend(better(fit));
+pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Findings {
+    let mut findings = Findings::default();
+    findings.extend(fit.axes.iter().filter_map(|(axis, of)| exceeded(axis, of)));
+    let adds = |one: &Contribution| Code::Contribution.about(one.name()).said(contribution(one));
+    findings.extend(fit.contributions.iter().map(adds));
+    findings.extend(better(fit).map(|words| Code::RegressionPredictsBetter.said(words)));
     let ratio = fit.elements.values().map(|e| e.std_noise / e.std_independent).fold(0.0, f64::max);
     if ratio > NARROW {
-        findings.push(format!(
+        findings.push(Code::SeriallyCorrelated.said(format!(
             "the errors are correlated in time: intervals for independent samples would be up to {} times too narrow",
             significant(ratio, 2)
-        ));
+        )));
     }
     for (axis, of) in fit.axes.iter().filter(|(_, of)| of.goodness_p < UNLIKE_BELOW) {
-        findings.push(format!(
+        findings.push(Code::SpectralForm.about(axis).said(format!(
             "axis {axis}: the difference is not of the form A/f^α plus white noise ({}); it contains something else. In bands that are not of that form the weights use the level of each octave; with the spectrum of the residuals `weighted_std` would be up to {} times as large",
             p_value(of.goodness_p),
             significant(wider[axis.index()], 2)
-        ));
+        )));
     }
     findings.extend(undecided(fit));
     if let Some(clock) = &fit.clock {
@@ -239,48 +241,44 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Vec<String> {
         findings.extend(delays::findings(clock));
         if clock.corrected {
             findings.push(
-                "the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band"
-                    .into(),
+                Code::TimesShifted.said("the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band"),
             );
         }
     }
     if fit.kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
-        findings.push(
-            "some events cannot be assigned to one instrument: the axes are too nearly parallel".into(),
-        );
+        let words = "some events cannot be assigned to one instrument: the axes are too nearly parallel";
+        findings.push(Code::EventsUnassigned.said(words));
     }
     if fit.kept_out.more {
-        findings.push(
-            "there are more steps and spikes than the search allows: the noise is not of the fitted form"
-                .into(),
-        );
+        findings.push(Code::TooManyEvents.said(
+            "there are more steps and spikes than the search allows: the noise is not of the fitted form",
+        ));
     }
     if fit.missing > 0 {
-        findings.push(format!(
+        findings.push(Code::MissingSamples.said(format!(
             "{} missing or excluded; each is replaced by its most likely value under the fitted noise",
             counted(fit.missing, "sample")
-        ));
+        )));
     }
     findings
 }
 
 /// Events that were found and are none.
-pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<String> {
+pub fn unconfirmed([steps, others]: [usize; 2]) -> Option<Finding> {
     let disturbed = plural(others, "spike or disturbed interval", "spikes or disturbed intervals");
     let both = [(steps, counted(steps, "step")), (others, format!("{others} {disturbed}"))];
     let what: Vec<String> =
         both.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
     let what = what.join(" and ");
     (!what.is_empty()).then(|| {
-        format!(
+        Code::EventsNotConfirmed.said(format!(
             "the search found {what} that the final fit does not confirm (size below {CONFIRMED} standard uncertainties); not removed"
-        )
+        ))
     })
 }
 
-pub fn third() -> String {
-    "the readings of the third instrument enter no regression of `fit`; they correct `matrix` for the attenuation by noise of the reference, and give the noise of each of the three in `three_cornered`"
-        .into()
+pub fn third() -> Finding {
+    Code::ThirdInstrument.said("the readings of the third instrument enter no regression of `fit`; they correct `matrix` for the attenuation by noise of the reference, and give the noise of each of the three in `three_cornered`")
 }
 
 fn drift(of: &Drift) -> Option<String> {
@@ -362,8 +360,8 @@ pub fn summary(document: &Document) -> String {
     let of_reference = fit.reference_noise.as_ref();
     lines.extend(of_reference.into_iter().flat_map(reference_noise::lines).map(|line| format!("  {line}")));
     lines.extend(found.and_then(|found| found.fourteen.as_deref()).into_iter().flat_map(mutual));
-    let of_reference = of_reference.map(|noise| noise.findings.as_slice()).unwrap_or_default();
-    let moved = fit.stability.iter().flat_map(|stability| &stability.findings);
+    let of_reference = of_reference.map(|noise| &noise.findings[..]).unwrap_or_default();
+    let moved = fit.stability.iter().flat_map(|stability| stability.findings.iter());
     let findings = fit.findings.iter().chain(of_reference).chain(moved);
     lines.extend(findings.map(|finding| format!("    {finding}")));
     lines.into_iter().map(|line| line + "\n").collect()

@@ -55,6 +55,11 @@ pub fn f_p(f: f64, above: f64, below: f64) -> f64 {
     FisherSnedecor::new(above, below).map_or(f64::NAN, |law| law.sf(f))
 }
 
+/// Root of the mean of the squares; zero of nothing.
+pub fn rms(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value * value).sum::<f64>() / values.len().max(1) as f64).sqrt()
+}
+
 /// The mean, summed a second time about itself so that a large constant leaves no error of rounding.
 pub fn mean(values: &[f64]) -> f64 {
     let n = values.len() as f64;

@@ -1,6 +1,7 @@
 //! From a problem to its explanation.
 
 use estimate::Error;
+use estimate::stats::rms;
 
 use crate::amplitude::{self, Amplitude, Fitted};
 use crate::form::Form;
@@ -111,17 +112,12 @@ fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>, Vec<f64>), 
             if lower(without, &with) <= 0.0 || alike < ALIKE {
                 out.push(selected.named[number].0);
             }
-            gains.push(mean(without) - mean(&with));
+            gains.push(rms(without) - rms(&with));
         }
         if out.len() == before {
             return Ok((selected, fitted, gains, with));
         }
     }
-}
-
-/// Root of the mean of the squares.
-fn mean(rms: &[f64]) -> f64 {
-    (rms.iter().map(|rms| rms * rms).sum::<f64>() / rms.len().max(1) as f64).sqrt()
 }
 
 fn fit(part: &Problem, selected: &Selected) -> Fitted {

@@ -2,7 +2,7 @@
 //! them together.
 
 use common::number::counted;
-use common::{Axis, Column, Columns, Document, Recording, procedure};
+use common::{Axis, Code, Column, Columns, Document, Finding, Recording, procedure};
 
 use super::grid::Grid;
 use super::piece::Piece;
@@ -19,7 +19,7 @@ pub struct Gathered {
     /// The document.
     pub document: Document,
     /// What was done, in words.
-    pub told: Vec<String>,
+    pub told: Vec<Finding>,
 }
 
 /// Joins reference and test instrument in recordings of their own, and vector and scalar magnetometer in
@@ -133,7 +133,7 @@ fn put(
     kept: &Recording,
     at: &[f64],
     mut columns: Columns,
-    mut told: Vec<String>,
+    mut told: Vec<Finding>,
 ) -> Result<Gathered> {
     let start = earliest(found)?;
     let first = found.iter().find(|(_, of)| of.start().map(|own| own.unix_s) == start.map(|all| all.unix_s));
@@ -155,7 +155,11 @@ fn put(
         ..kept.clone()
     };
     let (recordings, moments) = (counted(ids.len(), "recording"), at.len());
-    told.insert(0, format!("\"{}\": {recordings} joined at {moments} moments by their times", joined.id));
+    told.insert(
+        0,
+        Code::Joined
+            .said(format!("\"{}\": {recordings} joined at {moments} moments by their times", joined.id)),
+    );
     let mut document = document.clone();
     let first = found.iter().map(|(index, _)| *index).min().unwrap_or(0);
     document.recordings[first] = joined;

@@ -1,8 +1,8 @@
 //! Pieces of several instruments on one grid of times, and the rows between jumps of their times: in each the
 //! two clocks differ by an offset of its own.
 
-use common::Column;
 use common::number::{bare, significant};
+use common::{Code, Column, Finding};
 use estimate::even::EXACT;
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ pub struct OnGrid {
     /// Whether a piece went through the filter.
     pub filtered: bool,
     /// What was done, in words.
-    pub told: Vec<String>,
+    pub told: Vec<Finding>,
 }
 
 impl OnGrid {
@@ -73,13 +73,13 @@ impl Grid {
             let Some(read) = piece.read(&at, self.step_s) else { continue };
             if let Some(white) = read.white_share {
                 filtered = true;
-                told.push(format!(
+                told.push(Code::Filtered.said(format!(
                     "the {} instrument's readings, {} s apart, were filtered to the grid of {} s: {} % of the rms of its white noise passes, and the noise is estimated below 0.9 of half the sampling rate",
                     instrument.name,
                     bare(piece.step_s),
                     bare(self.step_s),
                     significant(100.0 * white, 2)
-                ));
+                )));
             }
             if read.rows == (0..self.rows) {
                 columns = read.columns;

@@ -11,7 +11,7 @@
 
 use common::number::{counted, duration};
 use common::time::Start;
-use common::{Axis, Column, Document, Gap, NoiseOfSensors, Recording, procedure};
+use common::{Axis, Column, Document, Finding, Gap, NoiseOfSensors, Recording, procedure};
 use estimate::resample::PASSBAND;
 use physics::memory::bridged;
 
@@ -136,7 +136,7 @@ pub struct Pair {
     /// Standard uncertainties of the sizes that were taken off in their places, nT.
     pub step_stds: Vec<Vec<f64>>,
     /// What was done to bring them together, in words.
-    pub told: Vec<String>,
+    pub told: Vec<Finding>,
 }
 
 impl Pair {

@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use common::number::{bare, counted, duration, significant};
-use common::{Column, Recording};
+use common::{Code, Column, Finding, Recording};
 use estimate::cadence::Cadence;
 use estimate::even::{EXACT, Places};
 use estimate::resample::{Resampled, resample};
@@ -37,7 +37,7 @@ pub struct Piece {
     /// Its columns; NaN where a reading is missing.
     pub columns: Vec<Column>,
     /// What was done to the times, in words.
-    pub told: Option<String>,
+    pub told: Option<Finding>,
     /// The jump of the times with which it begins.
     pub jump: Option<Jump>,
     /// Where rows of its times are left out.
@@ -163,11 +163,11 @@ fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Pie
     }
     let step_s = places.mean_step_s(time);
     let columns = columns.iter().map(|column| places.interpolated(time, column, step_s).into()).collect();
-    let told = Some(format!(
+    let told = Some(Code::TimesInterpolated.said(format!(
         "\"{id}\": its times are uneven by up to {} s; its readings were interpolated to steps of {} s, which attenuates their noise unevenly",
         significant(places.scatter_s, 2),
         bare(step_s)
-    ));
+    )));
     Ok(Piece { start_s: time[0], step_s, columns, told, ..piece })
 }
 

@@ -346,7 +346,7 @@ impl Found {
         let explained = &self.last.as_ref()?.explained;
         let names: Vec<String> = self.covariates.iter().map(|one| one.name.clone()).collect();
         Some(HeldOutPrediction {
-            named_nt: held_out::together(&explained.held_out.named),
+            named_nt: estimate::stats::rms(&explained.held_out.named),
             plain: held_out::regressions(explained, &|cause| held_out::named(cause, &names)),
         })
     }

@@ -28,15 +28,10 @@ pub fn regressions(explained: &Explained, name: &dyn Fn(Cause) -> String) -> Vec
     };
     let of = |plain: &explain::Plain| PlainRegression {
         name: plain.name.into(),
-        held_out_nt: together(&plain.rms),
+        held_out_nt: estimate::stats::rms(&plain.rms),
         terms: plain.terms.iter().map(term).collect(),
     };
     explained.held_out.rivals.iter().map(of).collect()
-}
-
-/// The rms of all channels by that of each.
-pub fn together(rms: &[f64]) -> f64 {
-    (rms.iter().map(|rms| rms * rms).sum::<f64>() / rms.len().max(1) as f64).sqrt()
 }
 
 /// The name of a cause among the covariates of such names.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use common::number::{bare, p_value, signed, significant, uncertain};
-use common::{ClockDifference, ClockJump, ClockSegment, JumpVerdict, Quantity};
+use common::{ClockDifference, ClockJump, ClockSegment, Code, Finding, JumpVerdict, Quantity};
 
 use crate::delays;
 use crate::look::Shift;
@@ -167,8 +167,8 @@ impl Segments {
 }
 
 /// The jumps in words.
-pub fn findings(clock: &ClockDifference) -> Vec<String> {
-    clock.jumps.iter().map(said).collect()
+pub fn findings(clock: &ClockDifference) -> Vec<Finding> {
+    clock.jumps.iter().map(|jump| Code::TimesJump.said(said(jump))).collect()
 }
 
 fn said(jump: &ClockJump) -> String {

@@ -2,8 +2,8 @@
 //! came, which of two sets of rows are found from those of each; and rows that repeat the one before. What the
 //! residuals say of rows.
 
-use common::Axis;
 use common::number::{counted, significant};
+use common::{Axis, Code, Finding};
 use estimate::robust::scale_of;
 use estimate::stats::two_sided_p;
 use serde::{Deserialize, Serialize};
@@ -187,12 +187,12 @@ fn frozen(count: u64, rows: u64) -> bool {
 }
 
 /// Rows of a stream that repeat the one before, in a sentence; a logger that froze repeats many.
-pub fn repeats(count: u64, rows: u64) -> Option<String> {
+pub fn repeats(count: u64, rows: u64) -> Option<Finding> {
     frozen(count, rows).then(|| {
-        format!(
+        Code::RepeatedReadings.said(format!(
             "{} of {rows} repeat the previous row in all three sensors: repeated readings make the uncertainties too small. Is the logger faster than the sensors?",
             counted(count as usize, "row")
-        )
+        ))
     })
 }
 
@@ -213,7 +213,7 @@ pub fn without_repeated(series: &mut [Series]) -> u64 {
 }
 
 /// Rows far from the rest, in a sentence.
-pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<String> {
+pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<Finding> {
     let mut sizes: Vec<f64> = residuals.iter().flatten().map(|value| value.abs()).collect();
     let count = sizes.len();
     let scale = scale_of(&mut sizes);
@@ -231,12 +231,12 @@ pub fn disturbed(series: &[Series], residuals: &[Vec<f64>]) -> Option<String> {
         .max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
     (number > 0).then(|| {
         let one = &series[recording];
-        format!(
+        Code::Outliers.about(significant(value, 3)).said(format!(
             "{} of {count} are outliers (p < {DISTURBED}), the largest by {} nT in \"{}\", row {}: --robust leaves them out",
             counted(number, "row"),
             significant(value, 3),
             one.id,
             one.rows[row]
-        )
+        ))
     })
 }

@@ -1,6 +1,7 @@
 //! The directions of the sensors as a function of the parameters, and which axis each is nearest to, in which
 //! sense: swapped and mirrored channels.
 
+use common::{Code, Finding};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use crate::model::{AXES, Model, NINE, Parameter, State, cosines};
@@ -68,7 +69,7 @@ impl Axes {
     }
 
     /// What is odd about them, with the remedy.
-    pub fn told(&self) -> Option<String> {
+    pub fn told(&self) -> Option<Finding> {
         let order = self.0.map(|(axis, _)| axis);
         let mirrored: Vec<&str> =
             (0..3).filter(|sensor| self.0[*sensor].1 < 0.0).map(|sensor| AXES[sensor]).collect();
@@ -82,21 +83,21 @@ impl Axes {
         let left_handed = self.mu(&Matrix3::identity()).determinant() < 0.0;
         match (swapped.as_slice(), mirrored.as_slice(), left_handed) {
             ([], [], _) => None,
-            ([a, b], [], _) => Some(format!(
+            ([a, b], [], _) => Some(Code::Swapped.said(format!(
                 "the channels of sensors {a} and {b} are swapped, or the sensors are mounted that way: exchange the two columns, or state the directions under calibration.axes.sensors"
-            )),
-            ([], [one], _) => Some(format!(
+            ))),
+            ([], [one], _) => Some(Code::SensorReversed.about(one).said(format!(
                 "sensor {one} reads the field with the opposite sign: change the sign of its column, or state its direction under \
                  calibration.axes.sensors"
-            )),
-            (_, _, true) => Some(format!(
+            ))),
+            (_, _, true) => Some(Code::LeftHanded.said(format!(
                 "the axes are left-handed ({all}): channels are swapped or mirrored; exchange columns or change signs, or state the directions \
                  under calibration.axes.sensors"
-            )),
-            (_, _, false) => Some(format!(
+            ))),
+            (_, _, false) => Some(Code::Rotated.said(format!(
                 "the sensors are rotated relative to the axes of the attitude ({all}): state the directions under calibration.axes.sensors, or give \
                  the attitude of the sensors' own frame"
-            )),
+            ))),
         }
     }
 }
@@ -111,7 +112,7 @@ mod tests {
         let told = |columns: [Vector3<f64>; 3]| nearest(&Matrix3::from_columns(&columns), &unit).told();
         let [x, y, z] = [Vector3::new(1.0, 0.02, 0.0), Vector3::new(0.01, 1.0, 0.03), Vector3::z()];
         assert_eq!(told([x, y, z]), None);
-        let contains = |columns, words: &str| told(columns).is_some_and(|told| told.contains(words));
+        let contains = |columns, words: &str| told(columns).is_some_and(|told| told.words.contains(words));
         assert!(contains([y, x, z], "sensors x and y are swapped"));
         assert!(contains([x, y, -z], "sensor z reads the field with the opposite sign"));
         assert!(contains([y, z, -x], "left-handed"));

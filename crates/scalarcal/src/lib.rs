@@ -56,7 +56,7 @@ pub use read::Source;
 pub use stream::Columns;
 pub use words::summary;
 
-use common::Document;
+use common::{Code, Document};
 use joined::Gathered;
 use linear::Linear;
 use model::NINE;
@@ -92,7 +92,7 @@ fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options
         let expected = "one from another source: with --known each reading would count twice; use the document from before that run";
         return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
-    solved.scalar.findings.splice(0..0, told);
+    solved.scalar.findings.prepend(told);
     seen::of_rows(&document, &mut solved, &series, options)?;
     result::adopt(&mut document, solved, &series)?;
     let references = physics::References::of(&document);
@@ -109,7 +109,7 @@ fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Vec<Ser
         let (mut solved, series) = by_field(document, options)?;
         solved.scalar.includes_body = !away;
         if on_body {
-            solved.scalar.findings.push(body::INCLUDED.into());
+            solved.scalar.findings.push(Code::IncludesBody.said(body::INCLUDED));
         }
         return Ok((solved, series));
     }

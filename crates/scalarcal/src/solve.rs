@@ -1,7 +1,7 @@
 //! From the recordings to the calibration.
 
-use common::Document;
 use common::number::counted;
+use common::{Code, Document, Finding, Findings};
 use estimate::robust::{bisquare, scale_of};
 use nalgebra::Matrix3;
 use physics::{Basic, EffectInstance, Unit};
@@ -34,7 +34,8 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Vec<Seri
     if repeated > 0 {
         left_out.push(("repeated readings".into(), repeated));
     }
-    let mut told: Vec<String> = unlike(&mut series).into_iter().collect();
+    let mut told = Findings::default();
+    told.extend(unlike(&mut series));
     series.retain(|one| one.len() > 0);
     let constant = series.iter().all(|one| one.source == Source::Constant);
     if constant && !is_stated(document, unit) {
@@ -43,7 +44,8 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Vec<Seri
         return Err(Error::document("instrument", found, expected));
     }
     if constant && series.len() > 1 {
-        told.push(format!("one magnitude is assumed for all {}", counted(series.len(), "recording")));
+        let words = format!("one magnitude is assumed for all {}", counted(series.len(), "recording"));
+        told.push(Code::MagnitudeAssumed.said(words));
     }
     let scales = start::scales(document, unit, &series);
     if constant {
@@ -120,13 +122,16 @@ fn replaces(fitted: &EffectInstance, one: &EffectInstance) -> bool {
 }
 
 /// Leaves out recordings of a magnitude that is not known beside ones where it is; says so in a sentence.
-fn unlike(series: &mut Vec<Series>) -> Option<String> {
+fn unlike(series: &mut Vec<Series>) -> Option<Finding> {
     let known = series.iter().any(|one| one.source != Source::Constant);
     let before = series.len();
     series.retain(|one| !known || one.source != Source::Constant);
     let left = before - series.len();
     (left > 0).then(|| {
-        format!("{} without a known magnitude left out: others have one", counted(left, "recording"))
+        Code::MagnitudeUnknownInSome.said(format!(
+            "{} without a known magnitude left out: others have one",
+            counted(left, "recording")
+        ))
     })
 }
 

@@ -2,7 +2,7 @@
 //! behind it; whether the rotations determine it, and what to do where they do not.
 
 use common::number::significant;
-use common::{Noise, ScalarCalibration, WeakestDirection};
+use common::{Code, Finding, Noise, ScalarCalibration, WeakestDirection};
 use estimate::Svd;
 use faer::{Mat, Scale};
 use nalgebra::Matrix3;
@@ -194,14 +194,14 @@ pub fn determined(solved: &Solved, rows: &Rows<'_>) -> Result<(), Error> {
 }
 
 /// That offsets are known badly because they wander, in a sentence.
-pub fn wandering(solved: &Solved) -> Option<String> {
+pub fn wandering(solved: &Solved) -> Option<Finding> {
     let offset = (3..6).map(|k| solved.found.covariance[(k, k)]).fold(0.0, f64::max).sqrt();
     let wanders = solved.form.of == Memory::Sensors && solved.form.ratio > 0.0;
     (wanders && offset > UNDETERMINED).then(|| {
-        format!(
+        Code::OffsetsWander.said(format!(
             "the residuals change slowly and rotate with the sensors, like drifting offsets: longer recordings of this kind will not reduce their uncertainty of {} nT. Check for iron or currents nearby, a different field where the block was moved to, and an instrument that corrects itself",
             significant(offset * solved.given.scales.magnitude_nt, 2)
-        )
+        ))
     })
 }
 

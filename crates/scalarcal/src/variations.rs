@@ -3,7 +3,8 @@
 //! which the readings vary; what else explains the rest is looked for, clocks and temperatures and steps.
 
 use common::number::{counted, significant, uncertain};
-use common::{Axis, Document, Noise, Quantity, ScalarCalibration, ScalarParameter};
+use common::{Axis, Code, Document, Finding, Noise, Quantity, ScalarCalibration, ScalarParameter};
+use estimate::stats;
 use explain::{Amplitude, Cause, Covariate};
 use paired::magnitude::{Level, Readings};
 use paired::{Acting, Asked};
@@ -46,20 +47,19 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
         rows: readings.b.len() as u64,
         missing: series.iter().map(|one| one.missing as u64).sum(),
         reference: Source::Scalar.words().into(),
-        rms_nt: rms(&of.explained.residual[0]),
+        rms_nt: stats::rms(&of.explained.residual[0]),
         rms_before_nt: Some(of_levels(&readings)),
-        noise: Noise { white_rms_nt: Some(rms(&of.explained.residual[0])), ..Noise::default() },
+        noise: Noise { white_rms_nt: Some(stats::rms(&of.explained.residual[0])), ..Noise::default() },
         parameters: parameters(&level, level_std, slope_std, added),
         rank: if level.alone { 1 } else { 4 },
         includes_body: true,
         ..ScalarCalibration::default()
     };
-    scalar.findings.push(OPEN.into());
+    scalar.findings.push(Code::NotDetermined.said(OPEN));
     if level.alone {
-        scalar.findings.push(
-            "the readings show no slopes but those of the stated calibration: only the level is fitted"
-                .into(),
-        );
+        scalar.findings.push(Code::LevelOnly.said(
+            "the readings show no slopes but those of the stated calibration: only the level is fitted",
+        ));
     }
     scalar.findings.extend(explained(&of, &covariates));
     document.calibration.get_or_insert_default().scalar = Some(Box::new(scalar));
@@ -88,8 +88,8 @@ fn of_levels(readings: &Readings) -> f64 {
     let size = |b: &[f64; 3]| b[0].hypot(b[1]).hypot(b[2]);
     let left: Vec<f64> =
         readings.b.iter().zip(&readings.scalar).map(|(b, scalar)| size(b) - scalar).collect();
-    let mean = estimate::stats::mean(&left);
-    rms(&left.iter().map(|value| value - mean).collect::<Vec<f64>>())
+    let mean = stats::mean(&left);
+    stats::rms(&left.iter().map(|value| value - mean).collect::<Vec<f64>>())
 }
 
 fn parameters(
@@ -116,12 +116,8 @@ fn parameters(
     all
 }
 
-fn rms(left: &[f64]) -> f64 {
-    (left.iter().map(|value| value * value).sum::<f64>() / left.len().max(1) as f64).sqrt()
-}
-
 /// What explains the rest, in words.
-fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<String> {
+fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<Finding> {
     let mut said = Vec::new();
     for one in &of.explained.causes {
         let size = &one.channels[0][0];
@@ -130,14 +126,16 @@ fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<String> 
             Cause::Covariate(number) => {
                 let name = &covariates[number].name;
                 let unit = common::unit::in_words(name);
-                said.push(format!("the rest follows `{name}` by {} nT/{unit}", uncertain(value, std)));
+                let words = format!("the rest follows `{name}` by {} nT/{unit}", uncertain(value, std));
+                said.push(Code::Contribution.about(name).said(words));
             }
-            Cause::Time => said.push("the rest drifts with time".into()),
+            Cause::Time => said.push(Code::Contribution.about("drift").said("the rest drifts with time")),
             Cause::Clock | Cause::Course(_) => {}
         }
     }
     if let Some(clock) = &of.clock {
-        said.push(format!("the scalar magnetometer's times are late by {} s", clock.offset_s));
+        let words = format!("the scalar magnetometer's times are late by {} s", clock.offset_s);
+        said.push(Code::Contribution.about("clock").said(words));
     }
     let step = |one: &Amplitude| match one.cause {
         Cause::Course(number) => match of.acting[number] {
@@ -152,7 +150,8 @@ fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<String> 
         let (size, std) = (size.value(), size.std().unwrap_or(0.0));
         let at = significant(*at_s, 6);
         let count = counted(steps.len(), "step");
-        said.push(format!("{count} in the rest, the first by {} nT at {at} s", uncertain(size, std)));
+        let words = format!("{count} in the rest, the first by {} nT at {at} s", uncertain(size, std));
+        said.push(Code::Contribution.about("steps").said(words));
     }
     said
 }

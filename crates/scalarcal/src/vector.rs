@@ -10,7 +10,7 @@
 //! Source: R. Holme, J. Bloxham, The treatment of attitude errors in satellite geomagnetic data, Phys. Earth
 //! Planet. Inter. 98 (1996) 221–233.
 
-use common::{Document, VectorFit};
+use common::{Code, Document, VectorFit};
 use estimate::Svd;
 use faer::{Col, Mat};
 use nalgebra::{Matrix3, Rotation3};
@@ -43,7 +43,7 @@ pub fn solve(document: &Document, mut solved: Solved, series: &[Series]) -> Resu
     solved.scalar.findings.extend(axes.told());
     if inverse {
         solved.scalar.findings.push(
-            "the readings agree with the inverse of the attitude: attitude_{w,x,y,z} must be GEO → SEN; reverse the signs of x, y and z".into(),
+            Code::AttitudeInverted.said("the readings agree with the inverse of the attitude: attitude_{w,x,y,z} must be GEO → SEN; reverse the signs of x, y and z"),
         );
     }
     let count = solved.model.parameters.len() + 3;

@@ -1,7 +1,7 @@
 //! The result in a few lines for people.
 
 use common::number::{counted, p_value, signed, significant, uncertain};
-use common::{Axis, Document, Error, ReferenceOffset, ScalarCalibration, ScalarParameter};
+use common::{Axis, Code, Document, Error, Finding, ReferenceOffset, ScalarCalibration, ScalarParameter};
 
 use crate::model::Parameter;
 use crate::read::Source;
@@ -105,36 +105,35 @@ pub(crate) fn failed(error: Error) -> Error {
 }
 
 /// What looks wrong, in sentences.
-pub(crate) fn findings(solved: &Solved, scalar: &ScalarCalibration) -> Vec<String> {
+pub(crate) fn findings(solved: &Solved, scalar: &ScalarCalibration) -> Vec<Finding> {
     let mut all = Vec::new();
     let reference = scalar.reference_offset.as_ref();
     if let Some(reference) = reference.filter(|reference| told(reference.p_value) && !reference.fitted) {
-        all.push(format!(
+        all.push(Code::ReferenceOffset.said(format!(
             "the reference reads {:+} nT too high ({}), or another error is constant with the field: a constant error of the reference biases the sensitivities. --reference-offset fits it",
             reference.offset_nt,
             p_value(reference.p_value)
-        ));
+        )));
     }
     if let Some(test) = scalar.beforehand.as_ref().filter(|test| told(test.p_value)) {
-        all.push(format!(
+        all.push(Code::PriorContradicted.said(format!(
             "the readings contradict the prior calibration of the sensors (χ² = {} with {} degrees of freedom, {}): the \
              sensors have changed, the body has a field, or the reference is wrong",
             significant(test.chi_squared, 3),
             test.degrees_of_freedom,
             p_value(test.p_value)
-        ));
+        )));
     }
     if let Some(test) = scalar.stability.as_ref().filter(|test| told(test.p_value)) {
-        all.push(format!(
+        all.push(Code::NotConstant.said(format!(
             "the calibration is not constant in time: {} differ from it (F test, {}); check `stability.windows`, and temperatures and currents (--with)",
             counted(test.windows.len(), "part"),
             p_value(test.p_value)
-        ));
+        )));
     }
     if solved.model.place(&Parameter::Magnitude).is_some() && solved.sources == [Source::Constant] {
         all.push(
-            "the magnitude of the field is unknown, so only ratios of the sensitivities are observable: their mean is fixed at the nominal value"
-                .into(),
+            Code::MagnitudeUnknown.said("the magnitude of the field is unknown, so only ratios of the sensitivities are observable: their mean is fixed at the nominal value"),
         );
     }
     let state = &solved.found.state;
@@ -143,13 +142,13 @@ pub(crate) fn findings(solved: &Solved, scalar: &ScalarCalibration) -> Vec<Strin
     let (low, high) =
         (sizes.iter().copied().fold(f64::INFINITY, f64::min), sizes.iter().copied().fold(0.0, f64::max));
     if high > UNLIKE * low {
-        all.push(format!(
+        all.push(Code::UnequalSensitivities.said(format!(
             "sensitivities differ by a factor of {}: is a sensor in another range, or disturbed?",
             significant(high / low, 2)
-        ));
+        )));
     }
     if state[6..9].iter().any(|cosine| cosine.abs() > OBLIQUE) {
-        all.push("the axes are far from orthogonal: were two channels mixed up, or is one sensor a combination of others?".into());
+        all.push(Code::NotOrthogonal.said("the axes are far from orthogonal: were two channels mixed up, or is one sensor a combination of others?"));
     }
     all
 }

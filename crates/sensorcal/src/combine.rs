@@ -3,7 +3,7 @@
 use common::covariance::{self, between};
 use common::number::{p_value, signed, uncertain};
 use common::uncertainty::{self, Block};
-use common::{Axis, Quantity, SensorCalibration, Uncertainty};
+use common::{Axis, Code, Finding, Quantity, SensorCalibration, Uncertainty};
 use estimate::stats;
 use faer::{Mat, mat};
 
@@ -105,7 +105,7 @@ fn joined(
     constants: &Constants,
     turned: Option<&Turned>,
     conditions: &Conditions,
-) -> ([f64; 2], Option<String>) {
+) -> ([f64; 2], Option<Finding>) {
     let alone = ([0.0; 2], None);
     let Some(turned) = turned else { return alone };
     // Derivatives of O and of the reversals' O by the parameters of the temperatures.
@@ -129,9 +129,9 @@ fn joined(
         let of_coil = (constants.offset_nt, constants.covariance[1][1].sqrt());
         let [own, reversed] = [of_coil, (turned.offset_nt, std)].map(|(nt, std)| signed(&uncertain(nt, std)));
         let p = p_value(p);
-        let finding = format!(
+        let finding = Code::OffsetsDisagree.said(format!(
             "the offset in the coil is {own} nT, by reversals {reversed} nT: they disagree ({p}); the reversals are used. The residual field of the coil, or the coil's offset, may be wrong"
-        );
+        ));
         // k as it was, O as the reversals have it.
         return ([0.0, 1.0], Some(finding));
     }
@@ -142,7 +142,7 @@ fn joined(
 mod tests {
     use super::*;
     use crate::sensitivity::Constants;
-    use common::SensitivityFit;
+    use common::{Findings, SensitivityFit};
 
     fn constants() -> Constants {
         let covariance = [[0.01, 0.004], [0.004, 0.04]];
@@ -177,7 +177,7 @@ mod tests {
         turned: Turned,
         conditions: &Conditions,
         joint: Uncertainty,
-    ) -> ([f64; 2], Vec<Vec<f64>>, Vec<String>) {
+    ) -> ([f64; 2], Vec<Vec<f64>>, Findings) {
         let (mut entry, mut joint) = (SensorCalibration::default(), joint);
         let fitted = SensorCalibration {
             sensitivity: Some(Box::new(constants.fit.clone())),

@@ -1,8 +1,8 @@
 //! What temperatures do to a sensor, as it was found, for the other procedures.
 
-use common::Axis;
 use common::covariance::between;
 use common::uncertainty::{Block, by_themselves};
+use common::{Axis, Code, Finding};
 use faer::Mat;
 use physics::{Basic, Context, EffectInstance, Parameter, SensorConstants};
 
@@ -60,16 +60,16 @@ impl Conditions {
     }
 
     /// What to say where temperatures matter and were not recorded.
-    pub fn not_recorded(&self, runs: &[Run<'_>]) -> Vec<String> {
+    pub fn not_recorded(&self, runs: &[Run<'_>]) -> Option<Finding> {
         let without = runs.iter().filter(|run| !self.known_in(&run.context));
         let lacking: Vec<&str> = without.map(|run| run.context.recording.id.as_str()).collect();
         if self.effects.is_empty() || lacking.is_empty() {
-            return Vec::new();
+            return None;
         }
-        vec![format!(
+        Some(Code::TemperatureNotRecorded.said(format!(
             "no temperatures were recorded in {}; k and O apply at the unknown temperatures there",
             lacking.join(", ")
-        )]
+        )))
     }
 
     /// What they add to the field that is read without a field, nT by row, with the derivative by each

@@ -9,7 +9,7 @@
 use common::covariance::rows;
 use common::number::p_value;
 use common::uncertainty::Block;
-use common::{Axis, CrossFieldFit, CrossFieldLevels, FTest, FitNoise, Quantity, TestResult, procedure};
+use common::{Axis, Code, CrossFieldFit, CrossFieldLevels, FTest, FitNoise, Quantity, TestResult, procedure};
 use estimate::stats;
 use faer::{Col, Mat};
 use physics::Kind;
@@ -231,26 +231,26 @@ fn findings(
         } else {
             "the other transverse direction was not recorded: turn the block by 90° about the sensor, or drive the other coil"
         };
-        found
-            .findings
-            .push(format!("{} cannot be determined from these recordings: {more}", missing.join(", ")));
+        let words = format!("{} cannot be determined from these recordings: {more}", missing.join(", "));
+        found.findings.push(Code::NotDetermined.said(words));
     }
     let p = found.significance.map_or(1.0, |test| test.p_value);
     found.findings.push(if found.offset.is_empty() {
-        format!("whether transverse fields affect sensor {sensor} cannot be determined")
+        Code::NotDetermined
+            .said(format!("whether transverse fields affect sensor {sensor} cannot be determined"))
     } else if p < FOUND_BELOW {
-        format!("transverse fields affect sensor {sensor} ({})", p_value(p))
+        Code::CrossField.said(format!("transverse fields affect sensor {sensor} ({})", p_value(p)))
     } else {
-        format!(
+        Code::CrossFieldNotSignificant.said(format!(
             "transverse fields do not affect sensor {sensor} beyond the experimental error ({})",
             p_value(p)
-        )
+        ))
     });
     for departure in found.departures.iter().filter(|departure| departure.found) {
-        found.findings.push(format!(
+        found.findings.push(Code::SquaredCrossField.said(format!(
             "k also depends on the square of the transverse field (adjusted {}), which no effect of the catalogue describes",
             p_value(departure.p_adjusted)
-        ));
+        )));
     }
     found.findings.extend(conditions.not_recorded(runs));
 }

@@ -3,7 +3,7 @@
 
 use common::covariance::between;
 use common::number::{counted, figures, p_value, plural, significant};
-use common::{AnnualTerm, DriftDates, OffsetDrift, Quantity, procedure};
+use common::{AnnualTerm, Code, DriftDates, OffsetDrift, Quantity, procedure};
 use estimate::mixture::Mixture;
 use estimate::{hac, linear, stats};
 use faer::{ColRef, Mat};
@@ -100,10 +100,12 @@ fn result(dates: &[Date], conditions: &Conditions) -> Result<OffsetDrift> {
     } else {
         let (dates, determine) =
             (counted(dates.len(), "date"), plural(dates.len(), "determines", "determine"));
-        found.findings.push(format!("{dates} {determine} no trend: at least five are needed"));
+        let words = format!("{dates} {determine} no trend: at least five are needed");
+        found.findings.push(Code::TooFewDates.said(words));
     }
     if corrected {
-        found.findings.push("offsets are corrected to the reference temperatures".into());
+        let words = "offsets are corrected to the reference temperatures";
+        found.findings.push(Code::AtReferenceTemperatures.said(words));
     }
     Ok(found)
 }
@@ -204,20 +206,21 @@ fn trend(
     let values = fit.coefficients();
     let left = ColRef::from_slice(&y) - design * ColRef::from_slice(values);
     found.dates.residual_nt = left.iter().copied().collect();
+    let code = if p < TOLD_BELOW { Code::Trend } else { Code::TrendNotSignificant };
     let verdict = if p < TOLD_BELOW { "is significant" } else { "is not significant" };
     let std = |name: &str| figures(found.trend_by_noise_nt_per_year[name].std().unwrap_or(0.0), 2);
-    found.findings.push(format!(
+    found.findings.push(code.said(format!(
         "the trend {verdict} under correlated noise ({}); its standard uncertainty would be {} nT a year under white noise, {} under flicker noise, {} under a random walk",
         p_value(p),
         std("white"),
         std("flicker"),
         std("random_walk")
-    ));
+    )));
     if wandering.unseen > UNSEEN_ABOVE {
-        found.findings.push(format!(
+        found.findings.push(Code::RandomWalkPossible.said(format!(
             "the dates neither establish nor exclude a random walk of the offset (below {} nT in a year at 95 %): the intervals allow for it, and their coverage is at least 95 %",
             significant(wandering.walk_below_nt_per_sqrt_s * (DAY_S * YEAR_D).sqrt(), 2)
-        ));
+        )));
     }
     if let Some(at) = columns.annual {
         let annual = AnnualTerm {
@@ -228,7 +231,8 @@ fn trend(
         };
         if annual.p_value < TOLD_BELOW {
             let (nt, p) = (significant(annual.amplitude_nt, 2), p_value(annual.p_value));
-            found.findings.push(format!("a yearly term of {nt} nT is significant ({p})"));
+            let words = format!("a yearly term of {nt} nT is significant ({p})");
+            found.findings.push(Code::AnnualTerm.said(words));
         }
         found.annual = Some(annual);
     }
@@ -236,7 +240,8 @@ fn trend(
         found.temperature_nt_per_k = Some(of(fit, at));
         let p = fit.p_value(&[at])?;
         if p < TOLD_BELOW {
-            found.findings.push(format!("the offset follows the sensor's temperature ({})", p_value(p)));
+            let words = format!("the offset follows the sensor's temperature ({})", p_value(p));
+            found.findings.push(Code::FollowsTemperature.said(words));
         }
     }
     Ok(())

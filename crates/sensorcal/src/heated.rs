@@ -1,8 +1,8 @@
 //! Runs at several temperatures: whose temperature moved in them, and whether k and O follow it late.
 
-use common::Axis;
 use common::number::{bare, significant, uncertain};
 use common::uncertainty::Block;
+use common::{Axis, Code, Findings};
 use estimate::stats;
 use faer::Mat;
 use physics::{EffectInstance, Kind, Parameter, Thermometer};
@@ -51,7 +51,7 @@ pub struct Heated<'a> {
 }
 
 impl<'a> Heated<'a> {
-    pub fn of(runs: Vec<Run<'a>>, findings: &mut Vec<String>) -> Result<Self> {
+    pub fn of(runs: Vec<Run<'a>>, findings: &mut Findings) -> Result<Self> {
         let warmer = |run: &Run<'_>, thermometer: Thermometer| -> Result<Vec<f64>> {
             let found = run.context.temperature(thermometer, "a `temperature_run`");
             let (column, reference) = found.map_err(|error| error.at(&format!("{}.columns", run.path)))?;
@@ -65,7 +65,7 @@ impl<'a> Heated<'a> {
 }
 
 /// Which temperatures moved, and whether they can be told apart.
-fn parts(runs: &[Run<'_>], warmer: &[[Vec<f64>; 2]], findings: &mut Vec<String>) -> Result<Vec<usize>> {
+fn parts(runs: &[Run<'_>], warmer: &[[Vec<f64>; 2]], findings: &mut Findings) -> Result<Vec<usize>> {
     let moved = |at: &usize| {
         runs.iter().zip(warmer).any(|(run, both)| span(run.rows.iter().map(|row| both[*at][*row])) > MOVED_K)
     };
@@ -94,10 +94,10 @@ fn parts(runs: &[Run<'_>], warmer: &[[Vec<f64>; 2]], findings: &mut Vec<String>)
         };
         let apart = share(0, 1).min(share(1, 0));
         if apart < APART {
-            findings.push(format!(
+            findings.push(Code::TemperaturesInseparable.said(format!(
                 "the temperatures of sensor and electronics varied together (only {} % of the variance is independent), so no slope is assigned to either; heat one and hold the other constant",
                 significant(100.0 * apart, 2)
-            ));
+            )));
             return Ok(Vec::new());
         }
     }

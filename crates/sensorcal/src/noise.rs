@@ -2,8 +2,8 @@
 
 use common::number::{bare, counted, p_value, significant};
 use common::{
-    Axis, BandRms, Document, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording, SensorNoise,
-    SpectralLine, procedure, series,
+    Axis, BandRms, Code, Document, Findings, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording,
+    SensorNoise, SpectralLine, procedure, series,
 };
 use estimate::even::evened;
 use estimate::periodogram::{Periodogram, periodogram};
@@ -198,11 +198,11 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
     found.findings = findings(&found, fit);
     let uneven = all.iter().filter_map(|one| Some((&one.recording.id, one.step_s, one.uneven_s?)));
     found.findings.extend(uneven.map(|(id, step_s, off_s)| {
-        format!(
+        Code::UnevenTimes.said(format!(
             "recording \"{id}\": its times are uneven by up to {} s; the series was interpolated to steps of {} s, and its white noise is underestimated",
             significant(off_s, 2),
             bare(step_s)
-        )
+        ))
     }));
     found
 }
@@ -310,8 +310,8 @@ fn merged(all: &[Series<'_>]) -> MergedSpectrum {
     spectrum
 }
 
-fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
-    let mut findings = Vec::new();
+fn findings(found: &SensorNoise, fit: &WhittleFit) -> Findings {
+    let mut findings = Findings::default();
     for series in found.series.iter().filter(|series| series.measured != "sensor") {
         let more = match series.amplification_needed {
             Some(gain) => format!("at least {} times more before the converter", significant(gain, 2)),
@@ -321,23 +321,25 @@ fn findings(found: &SensorNoise, fit: &WhittleFit) -> Vec<String> {
             "both" => "that of sensor and quantiser together",
             _ => "that of the quantiser, not of the sensor",
         };
-        findings.push(format!(
+        findings.push(Code::QuantisationNoise.said(format!(
             "recording \"{}\": quantisation step {} nT; the noise measured at its highest frequencies is {what}; amplify {more}",
             series.recording,
             significant(series.code_nt.unwrap_or(0.0), 3)
-        ));
+        )));
     }
     if found.goodness_p < UNLIKE_BELOW {
-        findings.push(format!(
+        findings.push(Code::SpectralForm.said(format!(
             "the spectrum is not of the form A/f^α plus white noise ({}); the intervals assume that form",
             p_value(found.goodness_p)
-        ));
+        )));
     }
     if fit.exponent_at_limit {
-        findings.push("the exponent is at the limit of its range; the readings may contain a drift".into());
+        let words = "the exponent is at the limit of its range; the readings may contain a drift";
+        findings.push(Code::ExponentAtLimit.said(words));
     }
     if found.flicker_below_nt2_per_hz.is_some() {
-        findings.push("no flicker noise was detected; an upper bound is given".into());
+        findings
+            .push(Code::FlickerNotDetected.said("no flicker noise was detected; an upper bound is given"));
     }
     findings
 }

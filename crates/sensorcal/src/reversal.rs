@@ -5,7 +5,8 @@
 
 use common::number::{counted, plural};
 use common::{
-    Document, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset, ReversalPairs, procedure,
+    Code, Document, Findings, ImperfectTurn, Quantity, Recording, Reversal, ReversalOffset, ReversalPairs,
+    procedure,
 };
 use estimate::correlated::{self, Scale};
 use estimate::stats;
@@ -63,7 +64,8 @@ pub fn offset(
             let pairs = plural(rows.len(), "pair from row", "pairs from rows");
             let are = plural(rows.len(), "is an outlier", "are outliers");
             let (id, rows) = (&recording.id, rows.join(", "));
-            found.findings.push(format!("recording \"{id}\": the {pairs} {rows} {are} and left out"));
+            let words = format!("recording \"{id}\": the {pairs} {rows} {are} and left out");
+            found.findings.push(Code::Outliers.about(id).said(words));
         }
         found.recordings.push(outcome.reversal.clone());
         outcomes.push(outcome);
@@ -80,7 +82,7 @@ pub fn offset(
 
 /// The mean over recordings, weighted by their own scatter: errors of the sensitivity and of the coefficients
 /// of temperature are common to all, weigh for none of them and do not average down.
-fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<String>) -> Turned {
+fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Findings) -> Turned {
     let sum: f64 = outcomes.iter().map(|outcome| outcome.scatter_nt2.recip()).sum();
     let weight = |outcome: &Outcome| outcome.scatter_nt2.recip() / sum;
     let offset = |outcome: &Outcome| outcome.reversal.offset_nt.value();
@@ -105,8 +107,7 @@ fn mean_of(outcomes: &[Outcome], conditions: &Conditions, findings: &mut Vec<Str
         if stats::chi_squared_p(chi, above) < 0.01 {
             scatter_nt2 *= chi / above;
             findings.push(
-                "the recordings differ by more than their scatter; the uncertainty of the offset is based on the differences"
-                    .into(),
+                Code::ReversalsDiffer.said("the recordings differ by more than their scatter; the uncertainty of the offset is based on the differences"),
             );
         }
     }

@@ -4,7 +4,8 @@
 use common::number::{bare, counted, p_value, plural, significant};
 use common::uncertainty::{self, Block};
 use common::{
-    Axis, Budget, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals, TestResult, procedure,
+    Axis, Budget, Code, Finding, Findings, PolynomialOrder, Quantity, SensitivityFit, SensitivityResiduals,
+    TestResult, procedure,
 };
 use estimate::{normality, stats};
 use physics::{Kind, Parameter, Unit};
@@ -147,7 +148,7 @@ fn block(sensor: Axis, unit: Unit, fit: &Fit, bent: &[(Kind, usize)]) -> Block {
 }
 
 /// Whether several recordings agree on k and O; where they do not, uncertainties rest on their differences.
-fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> Result<Option<String>> {
+fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> Result<Option<Finding>> {
     let count = problem.runs.len();
     if count < 2 {
         return Ok(None);
@@ -168,10 +169,10 @@ fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> R
         return Ok(None);
     }
     extended.fit.widened *= f;
-    Ok(Some(format!(
+    Ok(Some(Code::RecordingsDiffer.said(format!(
         "the recordings disagree on k and O ({}); the uncertainties are based on their differences",
         p_value(p)
-    )))
+    ))))
 }
 
 /// Key of the sensitivity for readings of a unit.
@@ -277,30 +278,30 @@ fn residuals(runs: &[Run<'_>], line: &Fit, fit: &Fit) -> SensitivityResiduals {
     columns
 }
 
-fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &[Run<'_>]) -> Vec<String> {
-    let mut findings = Vec::new();
+fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &[Run<'_>]) -> Findings {
+    let mut findings = Findings::default();
     for departure in fit.departures.iter().filter(|departure| departure.found) {
         let size: Vec<String> =
             departure.parameter.iter().map(|(key, value)| format!("{key} = {value}")).collect();
-        findings.push(format!(
+        findings.push(Code::Nonlinear.said(format!(
             "not a straight line: {} (unadjusted {}, adjusted {}); fitted jointly with k and O",
             departure.departure,
             size.join(", "),
             p_value(departure.p_adjusted)
-        ));
+        )));
     }
     if !fit.rivals.is_empty() {
-        findings.push(format!(
+        findings.push(Code::Ambiguous.said(format!(
             "{} would explain the readings about as well; to distinguish them, sweep down after the sweep up, or apply the fields in random order",
             fit.rivals.join(" or ")
-        ));
+        )));
     }
     if let Some(order) = chosen(&fit.orders).filter(|order| order.order > 3) {
-        findings.push(format!(
+        findings.push(Code::HigherOrderTerm.about(order.order).said(format!(
             "a term of order {} is significant ({}) but neither in the fit nor described by an effect of the catalogue; see the deviations",
             order.order,
             p_value(order.p_value)
-        ));
+        )));
     }
     if let Some(saturation) = &fit.saturation {
         let side = |side: usize| {
@@ -310,7 +311,8 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
         let sides: Vec<String> = [0, 1].into_iter().filter_map(side).collect();
         let (sides, readings) = (sides.join(" and "), counted(saturation.count, "reading"));
         let are = plural(saturation.count, "is", "are");
-        findings.push(format!("the output is saturated {sides}; {readings} {are} left out"));
+        let words = format!("the output is saturated {sides}; {readings} {are} left out");
+        findings.push(Code::Saturated.said(words));
     }
     if let Some(normality) = fit.normality.filter(|test| test.p_value < FOUND_BELOW) {
         let reason = if code_nt > 2.0 * fit.noise.rms_nt {
@@ -318,23 +320,23 @@ fn findings(fit: &SensitivityFit, code_nt: f64, conditions: &Conditions, runs: &
         } else {
             String::new()
         };
-        findings.push(format!(
+        findings.push(Code::ResidualsNotNormal.said(format!(
             "the residuals are not normal (Anderson-Darling {}){reason}",
             p_value(normality.p_value)
-        ));
+        )));
     }
     if let Some(runs) = fit.runs.filter(|test| test.p_value < FOUND_BELOW) {
-        findings
-            .push(format!("the residuals are serially correlated (runs test, {})", p_value(runs.p_value)));
+        let words = format!("the residuals are serially correlated (runs test, {})", p_value(runs.p_value));
+        findings.push(Code::SeriallyCorrelated.said(words));
     }
     if let Some(factor) = fit.noise.variance_factor
         && stats::chi_squared_p(factor * fit.noise.degrees_of_freedom, fit.noise.degrees_of_freedom)
             < FOUND_BELOW
     {
-        findings.push(format!(
+        findings.push(Code::ExcessScatter.said(format!(
             "the residuals scatter {} times as much as the sensor's own noise: noise of the applied field is included",
             significant(factor.sqrt(), 3)
-        ));
+        )));
     }
     findings.extend(conditions.not_recorded(runs));
     findings

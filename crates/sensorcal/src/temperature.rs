@@ -1,7 +1,7 @@
 //! k and O against the temperatures of sensor and electronics (NASA eq. 28 and 29).
 
 use common::{
-    CommonExtremum, Document, FitNoise, PerAxis, Quantity, SensorCalibration, TemperatureFit,
+    Code, CommonExtremum, Document, FitNoise, PerAxis, Quantity, SensorCalibration, TemperatureFit,
     TemperatureOfPart, procedure,
 };
 use estimate::stats;
@@ -59,10 +59,10 @@ pub fn coefficients(of: Subject<'_>) -> Result<Option<(TemperatureFit, Condition
     found.levels = columns;
     found.noise = extended.fit.noise.clone();
     for name in &extended.found {
-        let text = format!(
+        let text = Code::Departure.about(name).said(format!(
             "besides the polynomials, the readings show {}, fitted jointly with them",
             name.replace('_', " ")
-        );
+        ));
         found.findings.push(text);
     }
     let (conditions, order) = heated::conditions(&lags.problem, &extended.fit, sensor);

@@ -38,7 +38,7 @@ fn of(axis: Axis, sensor: &SensorCalibration) -> Vec<String> {
     });
     let head = [k, offset, fit].into_iter().flatten().collect::<String>();
     let mut lines = vec![format!("sensorcal: sensor {axis}:{head}")];
-    let mut findings: Vec<&String> = sensor.sensitivity.iter().flat_map(|fit| &fit.findings).collect();
+    let mut findings: Vec<&String> = sensor.sensitivity.iter().flat_map(|fit| fit.findings.iter()).collect();
     if let Some(reversal) = &sensor.reversal {
         let pairs: usize = reversal.recordings.iter().map(|one| one.pairs.row.len()).sum();
         let turn = &reversal.imperfect_turn;
@@ -49,24 +49,24 @@ fn of(axis: Axis, sensor: &SensorCalibration) -> Vec<String> {
             bare(turn.angle_deg),
             significant(turn.bound_nt, 2)
         ));
-        findings.extend(&reversal.findings);
+        findings.extend(reversal.findings.iter());
     }
     if let Some(noise) = &sensor.noise {
         lines.push(noise_line(noise));
-        findings.extend(&noise.findings);
+        findings.extend(noise.findings.iter());
     }
     if let Some(temperature) = &sensor.temperature {
         let parts = [("sensor", &temperature.sensor), ("electronics", &temperature.electronics)];
         lines.extend(parts.iter().filter_map(|(name, of)| Some(temperature_line(name, of.as_ref()?))));
-        findings.extend(&temperature.findings);
+        findings.extend(temperature.findings.iter());
     }
     if let Some(cross) = &sensor.cross_field {
         lines.push(cross_line(cross));
-        findings.extend(&cross.findings);
+        findings.extend(cross.findings.iter());
     }
     if let Some(drift) = &sensor.drift {
         lines.push(drift_line(drift));
-        findings.extend(&drift.findings);
+        findings.extend(drift.findings.iter());
     }
     if let Some(budget) = sensor.budget.iter().rev().find(|budget| budget.warmer_k == 0.0) {
         lines.push(budget_line(budget));

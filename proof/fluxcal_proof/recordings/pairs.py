@@ -57,9 +57,11 @@ class Matrix:
             goes_on = goes_on + number(one["nt_per_unit"]) * x + number(one.get("nt_per_unit2")) * x**2
         return goes_on
 
-    def finding(self, words: str, of: str = "") -> tuple[str, bool]:
-        """The first with some words, and whether there is one."""
-        told = [finding for finding in self.fit["findings"] if words in finding]
+    def finding(self, code: str, of: str = "") -> tuple[str, bool]:
+        """The first with a code, and whether there is one."""
+        parts = [self.fit, self.fit.get("stability", {})]
+        pairs = [pair for part in parts for pair in zip(part.get("finding_codes", []), part.get("findings", []))]
+        told = [words for own, words in pairs if own.split(":")[0] == code or own == code]
         return of + (f"“{told[0]}”" if told else "nothing of it"), bool(told)
 
     def clock(self) -> str:
@@ -129,7 +131,7 @@ def read(programs: Programs, reference: str, test: str) -> Part:
 
 def conrad(programs: Programs, page: Page) -> None:
     found = study(programs, page, tuple(zip(*(series.split(2 / 3 * DAY_S) for series in read(programs, "fge-2022-08-10", "lemi036")))))
-    page.known.append(found.finding("the responses of the instruments differ"))
+    page.known.append(found.finding("contribution:short_periods"))
 
 
 def cobenzl(programs: Programs, page: Page) -> None:
@@ -146,7 +148,7 @@ def meson_hall(programs: Programs, page: Page) -> None:
     found = study(programs, page, [(part.only("reference"), part.only("test")) for part in parts], correct_clock=False)
     recordings = [whole.only(role).recording(role, "differential") for role in ("reference", "test")]
     of_whole = Matrix.found(programs, whole.time_s, *recordings)
-    page.known.append(of_whole.finding("the matrix is not constant", "of the whole run: "))
+    page.known.append(of_whole.finding("not_constant", "of the whole run: "))
     page.head("shares", shares=each(np.linalg.norm(found.eta, axis=0)))
 
 

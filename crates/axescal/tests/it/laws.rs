@@ -54,8 +54,9 @@ fn each(law: impl Fn(u64, &Value)) {
 /// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are
 /// counted.
 const WAY: &[&str] = &["iterations", "singular_values"];
-/// The way; and how far a coil is from its nominal axis is another angle in another frame.
-const TURNED: &[&str] = &["iterations", "singular_values", "coils.off_nominal_arcsec", "residual_field_nt"];
+/// The way; and in another frame a coil is at another angle to its nominal axis, by which channels seem swapped.
+const TURNED: &[&str] =
+    &["finding_codes", "iterations", "singular_values", "coils.off_nominal_arcsec", "residual_field_nt"];
 /// The way; and a reading without drive is listed under the first coil, whatever its name.
 const NAMED: &[&str] = &["iterations", "singular_values", "readings.coil"];
 
@@ -136,9 +137,11 @@ fn unknown_keys_change_nothing_and_stay() {
 
 #[test]
 fn a_reference_temperature_moves_no_direction() {
+    // What the model's effects add at most is in a code.
+    let close = Close::SOLVED.but(&["iterations", "finding_codes"]);
     for seed in 0..testkit::campaigns(4) {
         let law = |document: &Value| laws::move_reference(document, [4.0, -3.0, 2.0]);
-        laws::commutes("reference", &campaign(&warm(seed)), law, run, &Close::SOLVED.but(&["iterations"]));
+        laws::commutes("reference", &campaign(&warm(seed)), law, run, &close);
     }
 }
 

@@ -1,4 +1,5 @@
 use serde::{Deserialize, Serialize};
+use std::fmt;
 
 use crate::{Axis, Extra, PerAxis};
 
@@ -49,7 +50,18 @@ pub enum ContributionCause {
     Column,
 }
 
+impl fmt::Display for ContributionCause {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(to)
+    }
+}
+
 impl Contribution {
+    /// Its column, else its cause.
+    pub fn name(&self) -> String {
+        self.column.clone().unwrap_or_else(|| self.cause.to_string())
+    }
+
     /// By how much the sum of the three mean squares is lower without it, nT².
     pub fn reduction_nt2(&self) -> f64 {
         let squares = |rms: &PerAxis<f64>| rms.iter().map(|(_, rms)| rms * rms).sum::<f64>();

@@ -1,7 +1,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::{Matrix3x3, PerAxis, Quantity};
+use crate::{Findings, Matrix3x3, PerAxis, Quantity};
 
 /// Noise of the reference: with R = B + e instead of the field B, least squares gives (1 − M⁻¹N) η for η,
 /// where M = Σ S_RR/P_d and N = Σ P_e/P_d over the frequencies.
@@ -26,8 +26,8 @@ pub struct ReferenceNoise {
     /// Whose noise the difference is, and why.
     pub ascribed: String,
     /// What looks wrong, or is worth knowing, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
 }
 
 /// From where the noise of the reference is known.

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-use crate::{Axis, Matrix3x3, PerAxis, Quantity};
+use crate::{Axis, Findings, Matrix3x3, PerAxis, Quantity};
 
 /// Whether the matrix η holds still.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -17,8 +17,8 @@ pub struct MatrixStability {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bands: Option<TransferBands>,
     /// What moved, and what could not be asked, in words.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub findings: Vec<String>,
+    #[serde(flatten)]
+    pub findings: Findings,
 }
 
 /// Whether several estimates of η are one. The share that noise of the reference may have in the difference

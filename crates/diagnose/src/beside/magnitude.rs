@@ -16,7 +16,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
     let (frozen, document) = &frozen::without(document);
     let Ok(gathered) = joined::gathered(document) else { return Ok(None) };
     let (notes, document) = match &gathered {
-        Some(gathered) => (gathered.told.clone(), &gathered.document),
+        Some(gathered) => (gathered.told.iter().map(|told| told.words.clone()).collect(), &gathered.document),
         None => (Vec::new(), document),
     };
     let Ok(observed) = Observed::of(document) else { return Ok(None) };

@@ -27,7 +27,7 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Compared, Er
         channels,
         what: "the test instrument",
         as_it_came,
-        notes: read.told,
+        notes: read.told.into_iter().map(|told| told.words).collect(),
         coarse: coarse::widths(document),
         frozen,
         ..Compared::of(&covariates, of)

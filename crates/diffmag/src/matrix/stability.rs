@@ -1,6 +1,6 @@
 //! Whether the matrix holds still: in time, between quiet and disturbed times, from short to long periods.
 
-use common::MatrixStability;
+use common::{Code, Findings, MatrixStability};
 
 use crate::regression::AxisFit;
 use crate::windows::Noise;
@@ -28,12 +28,12 @@ pub fn of(pair: &Pair, fits: &[AxisFit; 3]) -> Result<Option<MatrixStability>, E
 }
 
 /// What was found; where it could not be, a finding says why.
-fn told<T>(found: Result<T, Error>, name: &str, findings: &mut Vec<String>) -> Result<Option<T>, Error> {
+fn told<T>(found: Result<T, Error>, name: &str, findings: &mut Findings) -> Result<Option<T>, Error> {
     let why = match found {
         Ok(found) => return Ok(Some(found)),
         Err(Error::Fit(why) | Error::Unanswerable(why)) => why,
         Err(other) => return Err(other),
     };
-    findings.push(format!("{name} cannot be determined: {why}"));
+    findings.push(Code::NotDetermined.said(format!("{name} cannot be determined: {why}")));
     Ok(None)
 }

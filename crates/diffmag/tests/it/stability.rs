@@ -188,7 +188,7 @@ fn a_pillar_that_tilts_by_day() {
     }]);
     let mut recorded = document(&Case { effects, daily_k: 0.6, days: 15.0, ..case(good()) }, 7);
     let of_period = |found: MatrixStability| {
-        found.findings.into_iter().find(|finding| finding.contains("depends on the period"))
+        found.findings.iter().find(|finding| finding.contains("depends on the period")).cloned()
     };
     assert_eq!(of_period(stability(&recorded)), None);
     // Where no temperature is recorded, the matrix takes its place.

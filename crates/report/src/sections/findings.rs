@@ -1,70 +1,83 @@
-//! What looks wrong, section by section, each finding with what it does to the result.
+//! What looks wrong, section by section, each finding with what it does to the result by numbers that the
+//! document holds: the modules below have a function of its code for each part of a document.
 
-use common::{AxesCalibration, DifferentialCalibration, Document, PerAxis, Residual, SensorCalibration};
+mod axes;
+mod differential;
+mod sensors;
 
-use super::effects::{axes, differential, findings, sensors};
+use common::{
+    AxesCalibration, Code, DifferentialCalibration, Document, Findings, PerAxis, Residual, SensorCalibration,
+};
+
 use super::recordings;
 use crate::{Effect, Finding, number};
+
+/// Findings about a part of a document, each led by whose it is.
+fn findings<T>(whose: &str, said: &Findings, part: &T, effect: fn(&T, Code, &str) -> Effect) -> Vec<Finding> {
+    let lead = if whose.is_empty() { String::new() } else { format!("{whose}: ") };
+    let all = said.coded().map(|(words, code, about)| {
+        Finding::of(format!("{lead}{words}"), code.map_or(Effect::NOT_HELD, |code| effect(part, code, about)))
+    });
+    all.collect()
+}
+
+/// The largest of some numbers in size; None of none.
+fn largest(all: impl IntoIterator<Item = f64>) -> Option<f64> {
+    all.into_iter().map(f64::abs).filter(|size| size.is_finite()).reduce(f64::max)
+}
 
 /// The findings of a section.
 pub fn of(section: &str, document: &Document) -> Vec<Finding> {
     let calibration = document.calibration.as_ref();
-    // The findings on a part of each sensor, where it was found.
-    let each = |of: &dyn Fn(&str, &SensorCalibration) -> Option<Vec<Finding>>| -> Vec<Finding> {
-        let all = calibration.iter().flat_map(|found| &found.sensors).flat_map(PerAxis::iter);
-        all.filter_map(|(axis, sensor)| of(&format!("sensor {axis}"), sensor)).flatten().collect()
-    };
-    let one = |of: &dyn Fn(&common::Calibration) -> Option<Vec<Finding>>| -> Vec<Finding> {
-        calibration.and_then(of).unwrap_or_default()
-    };
     match section {
         "coils" => {
             let all = calibration.iter().flat_map(|found| &found.coils).flat_map(PerAxis::iter);
             let fits = all.filter_map(|(axis, coil)| Some((axis, coil, coil.constant.as_ref()?)));
             let said = fits.map(|(axis, coil, fit)| {
-                findings(&format!("coil {axis}"), &fit.findings, &sensors::COIL, coil)
+                findings(&format!("coil {axis}"), &fit.findings, coil, sensors::coil)
             });
             said.flatten().collect()
         }
-        "sensors" => {
-            let mut all = each(&|name, sensor| {
-                let fit = sensor.sensitivity.as_ref()?;
-                Some(findings(name, &fit.findings, &sensors::SENSITIVITY, sensor))
-            });
-            all.extend(each(&|name, sensor| {
-                let fit = sensor.reversal.as_deref()?;
-                Some(findings(&format!("{name}, reversals"), &fit.findings, &sensors::REVERSAL, fit))
-            }));
-            all
+        "sensors" => [of_sensors("sensors", document), of_sensors("reversals", document)].concat(),
+        "noise" | "drift" | "temperature" | "cross-field" => of_sensors(section, document),
+        "axes" => {
+            let axes = calibration.iter().flat_map(|found| &found.axes);
+            axes.flat_map(|axes| std::iter::once(axes).chain(axes.subset.as_deref()))
+                .flat_map(of_axes)
+                .collect()
         }
-        "noise" => {
-            each(&|name, sensor| Some(findings(name, &sensor.noise.as_ref()?.findings, &sensors::NOISE, &())))
+        "scalar" => {
+            let all = calibration.iter().flat_map(|found| &found.scalar);
+            all.flat_map(|scalar| findings("", &scalar.findings, &**scalar, axes::scalar)).collect()
         }
-        "drift" => each(&|name, sensor| {
-            let drift = sensor.drift.as_deref()?;
-            Some(findings(name, &drift.findings, &sensors::DRIFT, drift))
-        }),
-        "temperature" => each(&|name, sensor| {
-            let fit = sensor.temperature.as_deref()?;
-            Some(findings(name, &fit.findings, &sensors::TEMPERATURE, fit))
-        }),
-        "cross-field" => each(&|name, sensor| {
-            let fit = sensor.cross_field.as_deref()?;
-            Some(findings(name, &fit.findings, &sensors::CROSS_FIELD, fit))
-        }),
-        "axes" => one(&|found| {
-            let axes = found.axes.as_ref()?;
-            Some([Some(axes), axes.subset.as_deref()].into_iter().flatten().flat_map(of_axes).collect())
-        }),
-        "scalar" => one(&|found| {
-            let scalar = found.scalar.as_deref()?;
-            Some(findings("", &scalar.findings, &axes::SCALAR, scalar))
-        }),
-        "differential" => one(&|found| found.differential.as_ref().and_then(of_difference)),
+        "differential" => {
+            let all = calibration.iter().flat_map(|found| &found.differential);
+            all.flat_map(of_difference).collect()
+        }
         "diagnosis" => of_diagnosis(document),
         "corrected" => recordings::flagged(document),
         _ => Vec::new(),
     }
+}
+
+/// The findings on a part of each sensor, where it was found.
+fn of_sensors(part: &str, document: &Document) -> Vec<Finding> {
+    fn said<'a>(part: &str, sensor: &'a SensorCalibration) -> Option<&'a Findings> {
+        Some(match part {
+            "sensors" => &sensor.sensitivity.as_ref()?.findings,
+            "reversals" => &sensor.reversal.as_ref()?.findings,
+            "noise" => &sensor.noise.as_ref()?.findings,
+            "drift" => &sensor.drift.as_ref()?.findings,
+            "temperature" => &sensor.temperature.as_ref()?.findings,
+            _ => &sensor.cross_field.as_ref()?.findings,
+        })
+    }
+    let of = if part == "reversals" { ", reversals" } else { "" };
+    let all = document.calibration.iter().flat_map(|found| &found.sensors).flat_map(PerAxis::iter);
+    let all = all.filter_map(|(axis, sensor)| {
+        Some(findings(&format!("sensor {axis}{of}"), said(part, sensor)?, sensor, sensors::sensor))
+    });
+    all.flatten().collect()
 }
 
 fn of_axes(axes: &AxesCalibration) -> Vec<Finding> {
@@ -81,19 +94,18 @@ fn of_axes(axes: &AxesCalibration) -> Vec<Finding> {
         );
         Finding::of(words, axes::doubtful(axes, one))
     });
-    findings("", &axes.findings, &axes::RULES, axes).into_iter().chain(doubtful).collect()
+    findings("", &axes.findings, axes, axes::directions).into_iter().chain(doubtful).collect()
 }
 
-fn of_difference(found: &DifferentialCalibration) -> Option<Vec<Finding>> {
-    let fit = found.fit.as_ref()?;
-    let mut all = differential::of_fit(fit);
-    if let Some(stability) = fit.stability.as_ref().filter(|_| found.matrix.is_some()) {
-        all.extend(findings("", &stability.findings, &differential::STABILITY, stability));
-    }
-    if let Some(noise) = &fit.reference_noise {
-        all.extend(findings("", &noise.findings, &differential::REFERENCE, noise));
-    }
-    Some(all)
+fn of_difference(found: &DifferentialCalibration) -> Vec<Finding> {
+    let Some(fit) = found.fit.as_deref() else { return Vec::new() };
+    let stability = fit.stability.as_ref().filter(|_| found.matrix.is_some());
+    let parts = [
+        Some(&fit.findings),
+        stability.map(|stability| &stability.findings),
+        fit.reference_noise.as_ref().map(|noise| &noise.findings),
+    ];
+    parts.into_iter().flatten().flat_map(|said| findings("", said, fit, differential::difference)).collect()
 }
 
 fn of_diagnosis(document: &Document) -> Vec<Finding> {

@@ -5,7 +5,6 @@ mod axes;
 mod axes_map;
 mod coils;
 mod conditions;
-mod effects;
 mod events;
 mod findings;
 mod noise;

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::time::Clock;
-use super::{Plots, effects, events};
+use super::{Plots, events};
 use crate::plot::{Dimension, Mark, Plot, STYLES, Series};
-use crate::{Finding, number};
+use crate::{Effect, Finding, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
@@ -206,7 +206,7 @@ pub fn flagged(document: &Document) -> Vec<Finding> {
             recording.id,
             counts.join(", ")
         );
-        (!counts.is_empty()).then(|| Finding::of(words, effects::LEFT_OUT))
+        (!counts.is_empty()).then(|| Finding::of(words, Effect::Unstated("left out of the result")))
     });
     found.collect()
 }

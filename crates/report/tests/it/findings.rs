@@ -38,19 +38,21 @@ fn what_moves_most_comes_first_and_what_has_no_number_last() {
                 "noise": {"rms_nt": 9.0},
                 "residuals": {"field_nt": [-1.0, 0.0, 1.0], "deviation_nt": [0.5, -0.1, -0.4], "residual_nt": [0.2, 0.0, -0.2]},
                 "findings": ["the residuals are not normal (Anderson-Darling p = 0.001)",
-                    "not a straight line: cubic (unadjusted p = 0.001, adjusted p = 0.01); fitted jointly with k and O"]
+                    "not a straight line: cubic (unadjusted p = 0.001, adjusted p = 0.01); fitted jointly with k and O"],
+                "finding_codes": ["residuals_not_normal", "nonlinear"]
             },
             "drift": {
                 "dates": {"time_d": [0.0, 365.25, 730.5], "offset_nt": [0.0, 0.4, 0.8], "std_nt": [0.1, 0.1, 0.1], "residual_nt": [0.0, 0.0, 0.0]},
                 "trend_nt_per_year": {"value": 0.4, "std": 0.01},
-                "findings": ["the trend is significant under correlated noise (p = 0.001); its standard uncertainty would be 0.01 nT a year under white noise"]
+                "findings": ["the trend is significant under correlated noise (p = 0.001); its standard uncertainty would be 0.01 nT a year under white noise"], "finding_codes": ["trend"]
             }
         }},
         "axes": {
             "doubtful": [{"recording": "a", "orientation": 1, "row": 0, "coil": "x", "sensor": "y", "leave_one_out_nt": -2.0, "t": -9.0, "p_adjusted": 1e-6}],
             "readings": {"orientation": [1, 1], "recording": ["a", "a"], "row": [0, 0], "coil": ["x", "x"], "sensor": ["x", "y"],
                 "residual_nt": [0.0, -1.5], "leverage": [0.9, 0.25], "leave_one_out_nt": [0.0, -2.0], "t": [0.0, -9.0]},
-            "findings": ["the readings put the constant of coil x 5.3 standard uncertainties from the value that the document states; it was fitted without this prior"]
+            "findings": ["the readings put the constant of coil x 5.3 standard uncertainties from the value that the document states; it was fitted without this prior"],
+            "finding_codes": ["prior_contradicted:5.3"]
         }
     }});
     let expected = [
@@ -74,9 +76,9 @@ fn turns_count_in_a_field_of_50_000_nt() {
     let unit = |turn: f64| json!([[1.0, 0.0, 0.0], [turn, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     let document = json!({"fluxcal": 1, "calibration": {
         "axes": {"coils": {"matrix": unit(10.0 * second)}, "known_coils": {"matrix": unit(0.0)},
-            "findings": ["the readings contradict the known directions of the coils; the coils may have moved"]},
+            "findings": ["the readings contradict the known directions of the coils; the coils may have moved"], "finding_codes": ["known_coils_contradicted"]},
         "scalar": {"reference_offset": {"offset_nt": {"value": -2.0, "std": 0.1}, "p_value": 1e-9, "fitted": false},
-            "findings": ["the reference reads -2.0 nT too high (p = 1e-9), or another error"]}
+            "findings": ["the reference reads -2.0 nT too high (p = 1e-9), or another error"], "finding_codes": ["reference_offset"]}
     }});
     // 10 arcsec are 2.4 nT.
     let found: Vec<String> = listed(&document).into_iter().map(|(effect, _)| effect).collect();
@@ -86,7 +88,7 @@ fn turns_count_in_a_field_of_50_000_nt() {
 #[test]
 fn offsets_that_disagree_and_pairs_that_were_left_out() {
     let both = json!({"fluxcal": 1, "calibration": {"sensors": {"x": {
-        "sensitivity": {"offset_nt": {"value": 1.25, "std": 0.1}, "findings": ["the offset in the coil is 1.25, by reversals 0.5: they disagree (p = 0.001)"]},
+        "sensitivity": {"offset_nt": {"value": 1.25, "std": 0.1}, "findings": ["the offset in the coil is 1.25, by reversals 0.5: they disagree (p = 0.001)"], "finding_codes": ["offsets_disagree"]},
         "reversal": {"offset_nt": {"value": 0.5, "std": 0.1}}}}}});
     assert_eq!(effect(&both), Effect::Nt(0.75));
     // Means of 0, 2 and 10, and of 0 and 2.
@@ -95,7 +97,7 @@ fn offsets_that_disagree_and_pairs_that_were_left_out() {
         json!({"offset_nt": {"value": 1.0, "std": 0.1},
             "recordings": [{"recording": "r", "offset_nt": {"value": 1.0, "std": 0.1}, "shield_field_nt": 0.0,
                 "pairs": {"row": [0, 2, 4], "offset_nt": [0.0, 2.0, 10.0], "used": [true, true, false]}, "noise": {}}],
-            "findings": ["recording \"r\": the pair from row 4 is an outlier and left out"]}),
+            "findings": ["recording \"r\": the pair from row 4 is an outlier and left out"], "finding_codes": ["outliers:r"]}),
     );
     assert_eq!(effect(&pairs), Effect::Nt(3.0));
 }
@@ -107,7 +109,7 @@ fn a_part_of_the_time_counts_by_the_parameter_that_stands_out_most() {
             "parameters": [{"name": "sensitivity of x", "unit": "nT/V", "value": 5000.0, "std": 0.1},
                 {"name": "offset of x", "unit": "nT", "value": 10.0, "std": 0.1}],
             "stability": {"p_value": 1e-9, "windows": [{"from_s": 0.0, "to_s": 1.0, "rows": 9, "rms_nt": 1.0, "values": values, "std": [0.1, 0.1]}]},
-            "findings": ["the calibration is not constant in time: 1 part differ from it"]}}})
+            "findings": ["the calibration is not constant in time: 1 part differ from it"], "finding_codes": ["not_constant"]}}})
     };
     // Five uncertainties of the offset against two of the sensitivity; then eight of that, 0.8 of 5000 in 50
     // 000 nT.
@@ -118,14 +120,14 @@ fn a_part_of_the_time_counts_by_the_parameter_that_stands_out_most() {
 
 #[test]
 fn a_number_that_the_document_does_not_hold_is_not_made_up() {
-    let bare =
-        sensor("sensitivity", json!({"findings": ["not a straight line: cubic", "what no rule knows"]}));
+    let said = ["without numbers", "of a later version", "without a code"];
+    let bare = sensor("sensitivity", json!({"findings": said, "finding_codes": ["nonlinear", "of_later"]}));
     let found: Vec<String> = listed(&bare).into_iter().map(|(effect, _)| effect).collect();
-    assert_eq!(found, ["– (not in the document)", "– (not in the document)"]);
+    assert_eq!(found, ["– (not in the document)"; 3]);
     let insignificant = sensor(
         "drift",
         json!({"dates": {"time_d": [0.0, 365.25]}, "trend_nt_per_year": {"value": 9.0, "std": 9.0},
-            "findings": ["the trend is not significant under correlated noise (p = 0.3); its standard uncertainty would be 9 nT a year"]}),
+            "findings": ["the trend is not significant under correlated noise (p = 0.3); its standard uncertainty would be 9 nT a year"], "finding_codes": ["trend_not_significant"]}),
     );
     assert_eq!(effect(&insignificant), Effect::Unstated("not significant"));
 }

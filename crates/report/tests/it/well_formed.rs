@@ -104,7 +104,9 @@ fn a_hostile_document_is_shown_as_it_is() {
     let document = serde_json::from_str(document).expect("JSON");
     let page = page(&document);
     let html = check("hostile", &page);
-    for markup in ["<script", "<img", "<i>", "<p>&quot;", "\u{1b}", "\u{1}"] {
+    let scripts = html.matches("<script").count();
+    assert_eq!(scripts, 1 + html.matches("<figure").count(), "those of the page and of its plots");
+    for markup in ["<script>alert", "</svg><script", "<img", "<i>", "<p>&quot;", "\u{1b}", "\u{1}"] {
         assert!(!html.contains(markup), "{markup}");
     }
     assert!(!text::render(&page).contains('\u{1b}'));

@@ -1,6 +1,6 @@
 //! The calibration of what is kept of a long series.
 
-use common::{Axis, Document};
+use common::{Axis, Code, Document};
 
 use super::memory;
 use super::partial::Partial;
@@ -76,7 +76,7 @@ fn solve(
     let mut solved = Solved::fit(given, model, &rows, None, raw.scaled(&by))?;
     let groups = |solved: &Solved| groups(&windows, &solved.model, &solved.found);
     if !solved.finish(&rows, groups, memory::widen)? && !solved.white {
-        solved.scalar.findings.push(NO_MEMORY.into());
+        solved.scalar.findings.push(Code::CorrelationNotEstimated.said(NO_MEMORY));
     }
     solved.scalar.left_out.extend(left_out);
     Ok((solved, series, windows))
@@ -201,9 +201,9 @@ fn seen(
     scalar.findings.extend(checks::repeats(partial.repeated, partial.rows));
     let width_s = f64::from(partial.windows.level).exp2();
     if let Some(length) = options.windows_s.filter(|length| width_s > 2.0 * length) {
-        scalar.findings.push(format!(
+        scalar.findings.push(Code::ShortWindows.said(format!(
             "windows of {width_s} s are the shortest kept for a series of this length; {length} s were requested"
-        ));
+        )));
     }
     solved.scalar = scalar;
     Ok(())

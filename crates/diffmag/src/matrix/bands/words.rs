@@ -1,7 +1,7 @@
 //! What the bands say of the matrix, in words.
 
 use common::number::{duration, p_value, signed, significant, uncertain};
-use common::{Axis, TransferBand, TransferBands};
+use common::{Axis, Code, Finding, TransferBand, TransferBands};
 
 use super::LONG_S;
 use crate::words::p_of_one;
@@ -16,7 +16,7 @@ struct Element<'a> {
 }
 
 /// Of Z.
-pub fn findings(found: &TransferBands) -> Vec<String> {
+pub fn findings(found: &TransferBands) -> Vec<Finding> {
     let mut findings = Vec::new();
     let few: Vec<String> = found
         .bands
@@ -25,18 +25,18 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
         .map(|band| format!("{} ({})", periods(band), significant(band.freedom, 2)))
         .collect();
     if !few.is_empty() {
-        findings
-            .push(format!("period bands with too few degrees of freedom to be tested: {}", few.join(", ")));
+        let words = format!("period bands with too few degrees of freedom to be tested: {}", few.join(", "));
+        findings.push(Code::TooFewDegreesOfFreedom.said(words));
     }
     let clock = p_of(&found.clock.offset_s);
     if clock < TOLD_BELOW && found.clock.alike_p >= TOLD_BELOW {
-        findings.push(format!(
+        findings.push(Code::ClockOffset.said(format!(
             "the phase between the instruments grows with frequency, equally on all axes: the test instrument's clock is {} by \
              {} s ({})",
             if found.clock.offset_s.value() > 0.0 { "late" } else { "early" },
             uncertain(found.clock.offset_s.value().abs(), found.clock.offset_s.std().unwrap_or(0.0)),
             p_value(clock)
-        ));
+        )));
     }
     let p = p_of_one(&found.one_matrix_with_clock);
     if p >= TOLD_BELOW {
@@ -57,14 +57,14 @@ pub fn findings(found: &TransferBands) -> Vec<String> {
         )
     };
     let Some((name, a, b)) = pair else { return findings };
-    findings.push(format!(
+    findings.push(Code::DependsOnPeriod.said(format!(
         "the matrix depends on the period ({}): {} {name} is {}, {} {}; {cause}",
         p_value(p),
         periods(a.band),
         signed(&uncertain(a.value, a.std)),
         periods(b.band),
         signed(&uncertain(b.value, b.std))
-    ));
+    )));
     findings
 }
 

@@ -1,48 +1,48 @@
 //! What windows and disturbed times say of the matrix, in words.
 
 use common::number::{counted, duration, p_value, signed, significant, uncertain};
-use common::{Axis, Matrix3x3, MatrixWindows, Quantity, QuietDisturbed};
+use common::{Axis, Code, Finding, Matrix3x3, MatrixWindows, Quantity, QuietDisturbed};
 use physics::frames::ARCSEC;
 
 use crate::words::p_of_one;
 use paired::TOLD_BELOW;
 
 /// Of windows.
-pub fn findings(found: &MatrixWindows) -> Vec<String> {
+pub fn findings(found: &MatrixWindows) -> Vec<Finding> {
     let mut findings = Vec::new();
     let (moved, trend) = (p_of_one(&found.one_matrix), p_of_one(&found.no_trend));
     if moved < TOLD_BELOW {
         let change = &found.largest_change;
-        findings.push(format!(
+        findings.push(Code::NotConstant.said(format!(
             "the matrix is not constant: {} do not share one η ({}); the largest change is {} by {} at {}",
             counted(found.windows.len(), "window"),
             p_value(moved),
             named(&change.element),
             amount(&change.element, &change.change_ppm),
             duration(change.at_s),
-        ));
+        )));
     }
     if trend < TOLD_BELOW
         && let Some((element, change)) = largest(&found.trend_per_day, &found.trend_std_per_day)
     {
-        findings.push(format!(
+        findings.push(Code::SteadyChange.about(&element).said(format!(
             "the matrix changes steadily ({}): {} by {} a day most clearly; a settling pillar or a changing temperature could cause this",
             p_value(trend),
             named(&element),
             amount(&element, &change),
-        ));
+        )));
     }
     findings
 }
 
 /// Of quiet and disturbed times.
-pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
+pub fn quiet_findings(found: &QuietDisturbed) -> Vec<Finding> {
     let (Some(quiet), Some(disturbed), Some(test)) = (&found.quiet, &found.disturbed, &found.one_matrix)
     else {
-        return vec![format!(
+        return vec![Code::NotDetermined.said(format!(
             "the field is nearly as active in quiet as in disturbed times (a factor of {}): this recording cannot show whether the matrix differs between them",
             significant(found.activity_ratio, 2)
-        )];
+        ))];
     };
     let p = p_of_one(test);
     if p >= TOLD_BELOW {
@@ -54,19 +54,19 @@ pub fn quiet_findings(found: &QuietDisturbed) -> Vec<String> {
     let (a, b) = (&quiet.estimate, &disturbed.estimate);
     let difference = of(&|i, j| b.matrix[i][j] - a.matrix[i][j]);
     let std = of(&|i, j| a.std[i][j].hypot(b.std[i][j]));
-    let most = largest(&difference, &std).map_or(String::new(), |(element, change)| {
-        format!(", {} by {} most clearly", named(&element), amount(&element, &change))
-    });
+    let Some((element, change)) = largest(&difference, &std) else { return Vec::new() };
     let mut longest: Vec<[f64; 2]> = disturbed.times_s.clone();
     longest.sort_by(|a, b| (b[1] - b[0]).total_cmp(&(a[1] - a[0])));
     let when = longest.first().map_or(String::new(), |[from, to]| {
         format!(", the longest from {} to {}", duration(*from), duration(*to))
     });
-    vec![format!(
-        "disturbed times ({} of them{when}) have a different matrix from quiet ones ({}){most}; induced currents that differ between the sites would cause this",
+    vec![Code::DiffersWhenDisturbed.about(&element).said(format!(
+        "disturbed times ({} of them{when}) have a different matrix from quiet ones ({}), {} by {} most clearly; induced currents that differ between the sites would cause this",
         disturbed.times_s.len(),
-        p_value(p)
-    )]
+        p_value(p),
+        named(&element),
+        amount(&element, &change)
+    ))]
 }
 
 /// The element that is farthest from zero for its uncertainty, by name and in 1e-6.

@@ -1,7 +1,9 @@
 //! Sentences about noise of the reference.
 
 use common::number::{figures, p_value, uncertain};
-use common::{Axis, OwnNoise, PerAxis, Quantity, ReferenceNoise, ReferenceNoiseSource, ThreeCornered};
+use common::{
+    Axis, Code, Findings, OwnNoise, PerAxis, Quantity, ReferenceNoise, ReferenceNoiseSource, ThreeCornered,
+};
 
 /// Which interval to quote where the matrix is corrected.
 pub fn quoted(from: ReferenceNoiseSource) -> String {
@@ -55,54 +57,52 @@ pub fn ascribed(report: &ReferenceNoise, three: Option<&ThreeCornered>) -> Strin
 }
 
 /// What looks wrong, or is worth knowing.
-pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_below: f64) -> Vec<String> {
-    let mut findings = Vec::new();
+pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_below: f64) -> Findings {
+    let mut findings = Findings::default();
     let worst = |of: &dyn Fn(&common::PulledElement) -> f64| {
         report.elements.iter().map(|(name, element)| (name, of(element))).max_by(|a, b| a.1.total_cmp(&b.1))
     };
     let pulled = |element: &common::PulledElement| element.pull.map_or(0.0, f64::abs) / element.pulled_std;
     match worst(&pulled) {
-        Some((name, pull)) if pull > 0.5 => findings.push(format!(
+        Some((name, pull)) if pull > 0.5 => findings.push(Code::BiasedByReference.about(name).said(format!(
             "noise of the reference had biased the matrix by up to {} standard uncertainties ({name})",
             figures(pull, 2)
-        )),
+        ))),
         _ => {}
     }
     let corrected = report.elements.values().any(|element| element.corrected.is_some());
     if !corrected && report.known_from == ReferenceNoiseSource::Declared {
         findings.push(
-            "the declared noise of the reference is more than half the variance of its readings along some direction, or the corrected matrix fits worse than offsets alone. The field varied too little and the matrix is not corrected: record when the field is more active"
-                .into(),
+            Code::FieldTooQuiet.said("the declared noise of the reference is more than half the variance of its readings along some direction, or the corrected matrix fits worse than offsets alone. The field varied too little and the matrix is not corrected: record when the field is more active"),
         );
     } else if !corrected
         && let Some((name, most)) = worst(&|element| element.largest_pull_over_std)
         && most > 0.5
     {
-        findings.push(format!(
+        findings.push(Code::PossiblyBiasedByReference.about(name).said(format!(
             "noise of the reference may have biased the matrix by up to {} standard uncertainties ({name}); declare it in \
              `conditions.reference_noise`, or record a third instrument as `third_x_nt`, …",
             figures(most, 2)
-        ));
+        )));
     }
     if let Some(spectrum) = &report.in_spectrum {
         let told = spectrum.p < told_below;
         if spectrum.used {
             findings.push(
-                "the coefficients decrease where the field varies little, as expected of noise of the reference; a test instrument with a weaker response to fast changes would look nearly the same"
-                    .into(),
+                Code::NoiseOfReference.said("the coefficients decrease where the field varies little, as expected of noise of the reference; a test instrument with a weaker response to fast changes would look nearly the same"),
             );
         } else if told && report.known_from == ReferenceNoiseSource::Unknown {
-            findings.push(format!(
+            findings.push(Code::ResponsesDiffer.said(format!(
                 "the coefficients decrease where the field varies little, but not as expected of noise of the reference ({}): the responses of the two instruments differ with frequency",
                 p_value(spectrum.consistency_p)
-            ));
+            )));
         }
     }
     if let Some(three) = three.filter(|three| three.goodness_p < told_below) {
-        findings.push(format!(
+        findings.push(Code::NoisesNotIndependent.said(format!(
             "the noises of the three instruments are not independent, or not of the form A/f^α plus white ({}): two of them share a disturbance, and their separation is unreliable",
             p_value(three.goodness_p)
-        ));
+        )));
     }
     findings
 }

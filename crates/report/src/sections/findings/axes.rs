@@ -1,36 +1,26 @@
 //! Findings of axescal and scalarcal.
 
-use common::{AxesCalibration, AxesDirections, Axis, DoubtfulReading, ScalarCalibration, ScalarParameter};
+use common::{
+    AxesCalibration, AxesDirections, Axis, Code, DoubtfulReading, ScalarCalibration, ScalarParameter,
+};
 
-use super::{LEFT_OUT, NOT_SHOWN, Rule, UNCERTAINTY, before, largest};
+use super::largest;
 use crate::Effect;
 
 const ARCSEC_PER_RAD: f64 = 206_264.806;
 
 /// What findings on the directions do.
-pub const RULES: [Rule<AxesCalibration>; 13] = [
-    ("standard uncertainties from the value that the document states", |_, words| {
-        Effect::std(before(words, " standard uncertainties"))
-    }),
-    ("times the theodolites' uncertainty", |_, words| {
-        Effect::std(before(words, " times the theodolites' uncertainty"))
-    }),
-    ("the readings contradict the known directions of the coils", |axes, _| Effect::arcsec(turned(axes))),
-    ("columns or cables may be swapped", |axes, words| {
-        Effect::arcsec(off_nominal(axes.sensors.as_ref(), "sensor", words))
-    }),
-    (" reads with the opposite sign", |axes, words| {
-        Effect::arcsec(off_nominal(axes.sensors.as_ref(), "sensor", words))
-    }),
-    (" has the opposite sign", |axes, words| Effect::arcsec(off_nominal(axes.coils.as_ref(), "coil", words))),
-    ("subtracted from the readings, at most ", |_, words| Effect::nt(before(words, " nT: "))),
-    ("given no weight", |axes, _| Effect::nt(without_weight(axes))),
-    ("times as much as declared", |_, _| UNCERTAINTY),
-    ("one value for all is estimated from the residuals", |_, _| UNCERTAINTY),
-    ("cannot be separated by zero drives", |_, _| NOT_SHOWN),
-    ("too little for a direction", |_, _| NOT_SHOWN),
-    (" is not applied in ", |_, _| LEFT_OUT),
-];
+pub fn directions(axes: &AxesCalibration, code: Code, about: &str) -> Effect {
+    match code {
+        Code::PriorContradicted | Code::OrientationContradicted => Effect::std(about.parse().ok()),
+        Code::KnownCoilsContradicted => Effect::arcsec(turned(axes)),
+        Code::Swapped | Code::SensorReversed => Effect::arcsec(off_nominal(axes.sensors.as_ref(), about)),
+        Code::CoilReversed => Effect::arcsec(off_nominal(axes.coils.as_ref(), about)),
+        Code::ModelSubtracted => Effect::nt(about.parse().ok()),
+        Code::Outliers => Effect::nt(without_weight(axes)),
+        _ => Effect::Unstated(code.effect()),
+    }
+}
 
 /// What a reading that does not belong to the rest moves the prediction of itself by: its share in it times
 /// its distance from what the others predict.
@@ -67,27 +57,25 @@ fn angle(a: [f64; 3], b: [f64; 3]) -> Option<f64> {
     Some(ARCSEC_PER_RAD * 2.0 * (chord / 2.0).min(1.0).asin())
 }
 
-/// How far the axis that a finding names is from where it should be.
-fn off_nominal(directions: Option<&AxesDirections>, of: &str, words: &str) -> Option<f64> {
-    let directions = directions?;
-    let axis = Axis::ALL.into_iter().find(|axis| words.contains(&format!("{of} {axis} ")))?;
+/// How far an axis is from where it should be.
+fn off_nominal(directions: Option<&AxesDirections>, axis: &str) -> Option<f64> {
+    let axis = Axis::ALL.into_iter().find(|one| one.letter() == axis)?;
     let nominal = Axis::ALL.map(|other| if other == axis { 1.0 } else { 0.0 });
-    angle(directions.direction(axis)?, nominal)
+    angle(directions?.direction(axis)?, nominal)
 }
 
 /// What findings on a calibration by magnitude do.
-pub const SCALAR: [Rule<ScalarCalibration>; 8] = [
-    ("the reference reads ", |scalar, _| {
-        Effect::nt(scalar.reference_offset.as_ref().map(|reference| reference.offset_nt.value()))
-    }),
-    ("the readings contradict the prior calibration of the sensors", |scalar, _| contradicted(scalar)),
-    ("the calibration is not constant in time", |scalar, _| changed(scalar)),
-    ("outliers (p", |_, words| Effect::nt(before(words, " nT in "))),
-    ("the magnitude of the field is unknown", |_, _| NOT_SHOWN),
-    ("make the uncertainties too small", |_, _| UNCERTAINTY),
-    ("include the iron of the body", |_, _| NOT_SHOWN),
-    (" left out: others have one", |_, _| LEFT_OUT),
-];
+pub fn scalar(scalar: &ScalarCalibration, code: Code, about: &str) -> Effect {
+    match code {
+        Code::ReferenceOffset => {
+            Effect::nt(scalar.reference_offset.as_ref().map(|reference| reference.offset_nt.value()))
+        }
+        Code::PriorContradicted => contradicted(scalar),
+        Code::NotConstant => changed(scalar),
+        Code::Outliers => Effect::nt(about.parse().ok()),
+        _ => Effect::Unstated(code.effect()),
+    }
+}
 
 /// What the new calibration changes at the readings, rms; without it the misfit in standard uncertainties.
 fn contradicted(scalar: &ScalarCalibration) -> Effect {
