@@ -4,6 +4,7 @@
 check:
     cargo fmt --all -- --check
     cargo clippy --workspace --all-targets -- -D warnings
+    crates/report/types.sh
 
 # All tests
 test:

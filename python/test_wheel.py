@@ -25,8 +25,8 @@ STAGES = {
 }
 
 
-def document(name: str) -> dict:
-    return json.loads((FIXTURES / name / "input.json").read_text())
+def document(name: str, file: str = "input.json") -> dict:
+    return json.loads((FIXTURES / name / file).read_text())
 
 
 class Programs(unittest.TestCase):
@@ -178,6 +178,16 @@ class Frames(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             figure.savefig(Path(folder) / "plot.png")
             self.assertGreater((Path(folder) / "plot.png").stat().st_size, 10_000)
+
+    def test_results_are_frames_and_plots(self) -> None:
+        answer = document("diagnose/warm", "expected.json")
+        found = fluxcal.results(answer)
+        series = answer["diagnosis"][0]["series"][0]
+        self.assertEqual(list(found["diagnosis.0.series.0"]["before_nt"]), series["before_nt"])
+        figure = fluxcal.plot(answer, result="diagnosis.0.series.0")
+        self.assertGreaterEqual(len(figure.axes[0].lines), 2)
+        with self.assertRaisesRegex(KeyError, "expected one of"):
+            fluxcal.plot(answer, result="calibration")
 
 
 class Terminal(unittest.TestCase):

@@ -60,7 +60,7 @@ pub fn faults(run: &Run, writes: Writes, read: &[u8], schemas: &Schemas) -> Vec<
             if writes != Writes::Text {
                 faults.extend(schemas.faults(writes, written, read));
             } else if !written.starts_with(b"PAR1") {
-                faults.extend(none(&String::from_utf8_lossy(written), "in what it wrote"));
+                faults.extend(none(&words::shown(&String::from_utf8_lossy(written)), "in what it wrote"));
             }
         }
         End::Code(1 | 2) => faults.extend(words::message(&ended.stderr, read, asked)),

@@ -38,7 +38,7 @@ fn programs_then_their_own_options() {
     ] {
         assert_eq!(offered(words), expected, "{words:?}");
     }
-    assert_eq!(offered(&["fluxcal", ""]).split(' ').count(), fluxcal::PROGRAMS.len() + 5);
+    assert_eq!(offered(&["fluxcal", ""]).split(' ').count(), fluxcal::PROGRAMS.len() + 6);
 }
 
 /// Every shell has a script that names every program.

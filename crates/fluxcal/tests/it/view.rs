@@ -47,7 +47,7 @@ fn a_folder_of_days_with_notes_and_a_gap() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("left out") && run.stderr.contains("README.md"), "{}", run.stderr);
     assert!(page.contains("<h1>days</h1>"));
-    assert!(page.contains("data-group=\"day1\" data-from=\"99\" data-to=\"200\">gap</a>"), "{page}");
+    assert!(page.contains("data-group=\"day1\" data-from=\"99.0\" data-to=\"200.0\">gap</a>"), "{page}");
 }
 
 #[test]

@@ -26,6 +26,13 @@ fn is_in(bytes: &[u8], word: &str) -> bool {
     bytes.windows(word.len()).any(|part| part == word.as_bytes())
 }
 
+/// What people read of a text: a page has its scripts, and the numbers of its plots coded.
+pub fn shown(text: &str) -> String {
+    let mut parts = text.split("<script");
+    let first = parts.next().unwrap_or_default().to_string();
+    parts.fold(first, |shown, part| shown + part.split_once("</script>").map_or("", |(_, rest)| rest))
+}
+
 /// A number that is none, with the words around it, unless it was read.
 pub fn no_number(text: &str, read: &[u8], asked: &str) -> Option<String> {
     let read = String::from_utf8_lossy(read);

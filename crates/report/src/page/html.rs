@@ -22,7 +22,7 @@ const IN_TABLE: usize = 200;
 /// Where its template is wrong.
 pub fn render(page: &Page) -> Result<String, common::Error> {
     let plots = page.sections.iter().flat_map(|section| &section.items).filter_map(|item| match item {
-        Item::Plot(plot) => Some(plot),
+        Item::Plot(plot) => Some(plot.as_ref()),
         _ => None,
     });
     let rows = plot::rows_per_entry(plots);
@@ -72,7 +72,7 @@ fn items(group: &[Item], rows: usize) -> Value {
             context! { table => table(one), rows }
         }
         plots => {
-            let stacked = matches!(plots, [Item::Plot(Plot { stacked: true, .. }), ..]);
+            let stacked = matches!(plots, [Item::Plot(plot), ..] if plot.stacked);
             let plots = plots.iter().filter_map(|item| match item {
                 Item::Plot(plot) => Some(figure(plot, rows)),
                 _ => None,
@@ -88,9 +88,9 @@ fn table(table: &Table) -> Value {
         let whole =
             !matches!(cell, Cell::Text(_) | Cell::Placed(..)) || escape(&text).chars().count() <= SHORT;
         let link = match cell {
-            Cell::Placed(_, place) => place.link.as_ref().map(|[id, plot]| {
+            Cell::Placed(_, place) => place.link.as_ref().map(|[id, plot, group]| {
                 let [from, to] = place.time_s;
-                context! { id, plot, recording => place.recording, from, to }
+                context! { id, plot, group, from, to }
             }),
             _ => None,
         };

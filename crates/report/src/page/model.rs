@@ -43,8 +43,9 @@ pub struct Place {
     pub recording: String,
     /// Its ends in `time_s` of the recording.
     pub time_s: [f64; 2],
-    /// Id of the words within the page, and of the plot that shows it; None where none does.
-    pub link: Option<[String; 2]>,
+    /// Id of the words within the page, of the plot that shows it, and of the plots that move with that; None
+    /// where none does.
+    pub link: Option<[String; 3]>,
 }
 
 /// What a finding does to the result.
@@ -130,7 +131,7 @@ pub enum Item {
     /// A table.
     Table(Table),
     /// A plot.
-    Plot(Plot),
+    Plot(Box<Plot>),
 }
 
 impl Section {

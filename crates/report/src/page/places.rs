@@ -1,33 +1,33 @@
 //! From words to the plots that show what they speak of, and back.
 
-use crate::page::plot::{Interval, Plot};
+use crate::page::plot::{Interval, Plot, Timeline};
 use crate::page::{Cell, Item, Place, Section};
 
 /// Gives the words of each place that a plot shows an id and the plot to lead to, and marks it in all plots of
-/// its recording.
+/// its recording. Plots of recordings that began at the same time become one group.
 pub fn link(sections: &mut [Section]) {
-    let items = || sections.iter().flat_map(|section| &section.items);
-    let shown: Vec<(String, String)> = items()
-        .filter_map(|item| match item {
-            Item::Plot(plot) => Some((plot.time.as_ref()?.group.clone(), plot.id.clone())),
-            _ => None,
-        })
-        .collect();
-    let mut marks: Vec<(String, [f64; 2], Interval)> = Vec::new();
-    for (words, place) in sections.iter_mut().flat_map(|section| &mut section.items).flat_map(placed) {
-        let Some((_, plot)) = shown.iter().find(|(group, _)| *group == place.recording) else { continue };
-        let id = format!("place-{}", marks.len() + 1);
-        let name = words.clone();
-        marks.push((
-            place.recording.clone(),
-            place.time_s,
-            Interval { name, from: 0.0, to: 0.0, id: id.clone() },
-        ));
-        place.link = Some([id, plot.clone()]);
+    let mut shown: Vec<(Timeline, String)> = Vec::new();
+    for plot in items(sections).filter_map(drawn) {
+        let Some(time) = &mut plot.time else { continue };
+        let alike = |known: &&(Timeline, String)| time.epoch_s.is_some() && known.0.epoch_s == time.epoch_s;
+        if let Some((known, _)) = shown.iter().find(alike) {
+            time.group.clone_from(&known.group);
+        }
+        shown.push((time.clone(), plot.id.clone()));
     }
-    for plot in sections.iter_mut().flat_map(|section| &mut section.items).filter_map(drawn) {
+    let mut marks: Vec<(String, [f64; 2], Interval)> = Vec::new();
+    for (words, place) in items(sections).flat_map(placed) {
+        let Some((time, plot)) = shown.iter().find(|(time, _)| time.recording == place.recording) else {
+            continue;
+        };
+        let id = format!("place-{}", marks.len() + 1);
+        let mark = Interval { name: shortened(words), from: 0.0, to: 0.0, id: id.clone() };
+        marks.push((place.recording.clone(), place.time_s, mark));
+        place.link = Some([id, plot.clone(), time.group.clone()]);
+    }
+    for plot in items(sections).filter_map(drawn) {
         let Some(time) = &plot.time else { continue };
-        let own = marks.iter().filter(|(group, ..)| *group == time.group);
+        let own = marks.iter().filter(|(recording, ..)| *recording == time.recording);
         plot.marks = own
             .map(|(_, [from, to], mark)| Interval {
                 from: from / time.unit_s,
@@ -38,8 +38,21 @@ pub fn link(sections: &mut [Section]) {
     }
 }
 
+/// Words that a plot has room for.
+fn shortened(words: &str) -> String {
+    const MOST: usize = 28;
+    match words.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &words[..end]),
+        None => words.into(),
+    }
+}
+
+fn items(sections: &mut [Section]) -> impl Iterator<Item = &mut Item> {
+    sections.iter_mut().flat_map(|section| &mut section.items)
+}
+
 fn drawn(item: &mut Item) -> Option<&mut Plot> {
-    if let Item::Plot(plot) = item { Some(plot) } else { None }
+    if let Item::Plot(plot) = item { Some(plot.as_mut()) } else { None }
 }
 
 /// The words of a table that have a place.
@@ -58,7 +71,6 @@ fn placed(item: &mut Item) -> Vec<(&String, &mut Place)> {
 mod tests {
     use super::*;
     use crate::page::Table;
-    use crate::page::plot::Timeline;
 
     #[test]
     fn words_lead_to_a_plot_of_their_recording_alone() {
@@ -67,9 +79,9 @@ mod tests {
         for recording in ["night", "day"] {
             table.rows.push(vec![Cell::Placed("a gap".into(), Place::new(recording, [7200.0, 10_800.0]))]);
         }
-        let time = Timeline { group: "day".into(), unit_s: 3600.0, epoch_s: None };
+        let time = Timeline { recording: "day".into(), group: "day".into(), unit_s: 3600.0, epoch_s: None };
         let plot = Plot { time: Some(time), ..Plot::new("p", "P") };
-        section.items.extend([Item::Table(table), Item::Plot(plot)]);
+        section.items.extend([Item::Table(table), Item::Plot(Box::new(plot))]);
         let mut sections = [section];
         link(&mut sections);
         let [Item::Table(table), Item::Plot(plot)] = sections[0].items.as_slice() else {

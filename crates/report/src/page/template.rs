@@ -115,7 +115,7 @@ impl Builder {
             },
             ("plots", [name]) => {
                 let plots = self.plots.remove(&name.to_string()).unwrap_or_default();
-                section.items.extend(plots.into_iter().map(Item::Plot));
+                section.items.extend(plots.into_iter().map(Box::new).map(Item::Plot));
             }
             ("plot", _) => {
                 let (id, title, x, y, log): (String, String, String, String, Option<String>) =
@@ -125,7 +125,7 @@ impl Builder {
                     log: log.contains(axis),
                     ..Dimension::from(label.as_str())
                 });
-                section.items.push(Item::Plot(Plot::new(id, title).axes(x, y)));
+                section.items.push(Item::Plot(Box::new(Plot::new(id, title).axes(x, y))));
             }
             ("note" | "points" | "line" | "dashes", arguments) => match section.items.last_mut() {
                 Some(Item::Plot(plot)) => draw(plot, name, arguments)?,

@@ -16,6 +16,8 @@ use crate::number;
 const STRIKING: f64 = 10.0;
 /// Rows of a segment of that spectrum.
 const SEGMENT: usize = 512;
+/// An interval of more usual ones is a gap.
+const GAP: f64 = 1.5;
 /// Rows about an event in which another is the same.
 const NEAR: usize = 10;
 /// So many of a kind are listed, the largest.
@@ -30,29 +32,43 @@ struct Event {
     ratio: f64,
 }
 
+/// The usual interval of some times, and the first row after each gap.
+fn gaps(time: &[f64]) -> Option<(f64, Vec<usize>)> {
+    let usual_s = Cadence::of(time)?.usual_s;
+    if usual_s <= 0.0 {
+        return None;
+    }
+    let after = (1..time.len()).filter(|row| time[*row] - time[row - 1] > GAP * usual_s);
+    Some((usual_s, after.collect()))
+}
+
 /// The rows between gaps.
 pub fn segments(recording: &Recording) -> Vec<Range<usize>> {
-    let time = recording.column("time_s").and_then(Cadence::of);
-    time.map_or_else(
-        || std::iter::once(0..recording.rows()).collect(),
-        |time| time.segments(recording.rows()),
-    )
+    let gaps = recording.column("time_s").and_then(gaps).map(|(_, gaps)| gaps).unwrap_or_default();
+    between(&gaps, recording.rows())
+}
+
+fn between(gaps: &[usize], rows: usize) -> Vec<Range<usize>> {
+    let starts = std::iter::once(0).chain(gaps.iter().copied());
+    let ends = gaps.iter().copied().chain(std::iter::once(rows));
+    starts.zip(ends).map(|(from, to)| from..to).collect()
 }
 
 /// Rows of the table of gaps, steps and spikes.
 pub fn of(recording: &Recording) -> Vec<Value> {
     let Some(time) = recording.column("time_s") else { return Vec::new() };
-    let Some(cadence) = Cadence::of(time) else { return Vec::new() };
+    let Some((usual_s, gaps)) = gaps(time) else { return Vec::new() };
+    let segments = between(&gaps, time.len());
+    let interval = |row: usize| time[row] - time[row - 1];
     let row = |what: String, size: String, time_s: [f64; 2]| {
         let place = Cell::Placed(what, Place::new(&recording.id, time_s));
         context! { recording => recording.id, what => Value::from_object(place), size, at_s => time_s[0] }
     };
-    let mut gaps: Vec<&_> =
-        cadence.jumps.iter().filter(|jump| jump.interval_s > 1.5 * cadence.usual_s).collect();
-    gaps.sort_by(|a, b| b.interval_s.total_cmp(&a.interval_s));
-    let gaps = gaps.into_iter().take(MOST).map(|jump| {
-        let missing = (jump.interval_s / cadence.usual_s).round() as usize - 1;
-        row("gap".into(), counted(missing, "row"), [time[jump.row - 1], time[jump.row]])
+    let mut longest = gaps;
+    longest.sort_by(|a, b| interval(*b).total_cmp(&interval(*a)));
+    let gaps = longest.into_iter().take(MOST).map(|after| {
+        let missing = (interval(after) / usual_s).round() as usize - 1;
+        row("gap".into(), counted(missing, "row"), [time[after - 1], time[after]])
     });
     let mut events: Vec<Event> = Vec::new();
     for name in recording
@@ -61,8 +77,8 @@ pub fn of(recording: &Recording) -> Vec<Value> {
         .filter(|name| ["nt", "v"].iter().any(|unit| name.ends_with(&format!("_{unit}"))))
     {
         let values = recording.column(name).unwrap_or_default();
-        let segments = cadence.segments(time.len());
-        events.extend(segments.into_iter().flat_map(|rows| striking(name, values, rows, cadence.usual_s)));
+        let rows = segments.iter().cloned();
+        events.extend(rows.flat_map(|rows| striking(name, values, rows, usual_s)));
     }
     events.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
     let events = events.iter().take(MOST).map(|event| {

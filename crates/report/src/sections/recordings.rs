@@ -13,6 +13,8 @@ use crate::{Effect, Finding, number};
 
 /// Most recordings that are drawn; the longest.
 const DRAWN: usize = 6;
+/// Columns have plots of their own where none spans more than this share of all.
+const FLAT: f64 = 0.25;
 /// A recording of more rows is drawn as lines.
 const FEW: usize = 1000;
 /// Most recordings whose field is drawn; the longest.
@@ -113,21 +115,39 @@ fn plots(recording: &Recording) -> Vec<Plot> {
             None => units.push((unit, vec![name])),
         }
     }
+    let apart = |(unit, names): (String, Vec<&str>)| -> Vec<(String, Vec<(usize, String)>)> {
+        let named = || names.iter().map(|name| name.to_string()).enumerate();
+        if would_lie_flat(recording, &names) {
+            named().map(|one| (unit.clone(), vec![one])).collect()
+        } else {
+            vec![(unit, named().collect())]
+        }
+    };
+    let units: Vec<_> = units.into_iter().flat_map(apart).collect();
     let (along, x, time) = Clock::axis(recording);
     let segments = events::segments(recording);
-    let plot = |(number, (unit, names)): (usize, (String, Vec<&str>))| {
-        let words: Vec<String> = names.iter().map(|name| key(name).0).collect();
+    let plot = |(number, (unit, names)): (usize, (String, Vec<(usize, String)>))| {
+        let words: Vec<String> = names.iter().map(|(_, name)| key(name).0).collect();
         let id = format!("recording-{}-{}", slug(&recording.id), number + 1);
         let mut plot = Plot::new(id, format!("{}: {}", recording.id, words.join(", ")))
             .axes(along.clone(), Dimension::linear("reading", unit));
         plot.time.clone_from(&time);
-        for (style, (name, word)) in names.iter().zip(words).enumerate() {
+        for ((style, name), word) in names.iter().zip(words) {
             let column = recording.column(name).unwrap_or_default();
-            plot.push(series(word, style, &x, column, &segments));
+            plot.push(series(word, *style, &x, column, &segments));
         }
         plot
     };
     units.into_iter().enumerate().map(plot).collect()
+}
+
+/// Whether columns are so far apart that none of them would be seen to vary in one plot.
+fn would_lie_flat(recording: &Recording, names: &[&str]) -> bool {
+    let ends =
+        |name: &&str| number::ends(recording.column(name)?.iter().copied().filter(|value| value.is_finite()));
+    let all: Vec<[f64; 2]> = names.iter().filter_map(ends).collect();
+    let widest = all.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
+    widest < FLAT * number::span(all.iter().flatten().copied())
 }
 
 /// A shape for each reading of a short recording; lines of a long one, parted at its gaps.

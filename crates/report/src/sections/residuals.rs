@@ -2,7 +2,7 @@
 //! likewise.
 
 use crate::page::words::{key, slug};
-use common::{Axis, Diagnosis, DifferentialFit, Document, Recording, ResidualSeries};
+use common::{Axis, Diagnosis, DifferentialFit, Document, ExplainedEffect, Recording, ResidualSeries};
 
 use super::time::Clock;
 use super::{Plots, side_by_side};
@@ -48,7 +48,7 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
         let plot = Plot::new(id, title).axes(x, y).note(format!("{points} {note}").trim_end());
         let of = names.recording.filter(|_| times);
         let held_out_nt = names.diagnosis.and_then(|of| of.fit.as_ref()).map(|fit| fit.held_out_after_nt);
-        Plot { time: of.map(|of| clock.timeline(of)), spectrum: times, held_out_nt, ..plot }
+        Plot { time: of.map(|of| clock.timeline(of)), held_out_nt, ..plot }
     };
     let [before, after, fitted] = names.legend;
     let left = Series::points(after, 0, &x, &series.after_nt);
@@ -77,32 +77,40 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
     if times && !series.contributions_nt.is_empty() {
         let mut explained = plot("-explained", format!("{title}: what each effect explains"));
         for (style, (effect, values)) in series.contributions_nt.iter().enumerate() {
-            explained.push(Series::new(effect, Mark::Line, style, &x, values));
+            explained.push(Series::new(effect.replace('_', " "), Mark::Line, style, &x, values));
         }
         plots.push(explained);
     }
     let stacked = times && !series.recorded_nt.is_empty();
-    plots
-        .into_iter()
-        .map(|plot| Plot { stacked, toggles: toggles(&plot, after, series, names.diagnosis), ..plot })
-        .collect()
+    let switched = |plot: Plot| {
+        let toggles = toggles(&plot, after, series, names.diagnosis);
+        Plot { stacked, spectrum: times && !toggles.is_empty(), toggles, ..plot }
+    };
+    plots.into_iter().map(switched).collect()
 }
 
 /// Each effect, to be switched off in what is left.
 fn toggles(plot: &Plot, after: &str, series: &ResidualSeries, diagnosis: Option<&Diagnosis>) -> Vec<Toggle> {
     let Some(number) = plot.series.iter().position(|one| one.name == after) else { return Vec::new() };
-    let held_out = |title: &str| {
+    let held_out = |name: &str| {
         let of = diagnosis?;
-        let gain = of.effects.iter().find(|effect| effect.title == title)?.held_out_gain_nt;
+        let gain = of.effects.iter().find(|effect| is_called(effect, name))?.held_out_gain_nt;
         Some(of.fit.as_ref()?.held_out_after_nt + gain)
     };
     let toggle = |(name, y): (&String, &Vec<f64>)| Toggle {
-        name: name.clone(),
+        name: name.replace('_', " "),
         series: number,
         y: y.clone(),
         held_out_nt: held_out(name),
     };
     series.contributions_nt.iter().map(toggle).collect()
+}
+
+/// Whether a contribution's name is that of an effect: its title, or its name with what it acts on.
+fn is_called(effect: &ExplainedEffect, name: &str) -> bool {
+    let axis = effect.sensor.or(effect.coil).map(|axis| axis.to_string());
+    let target = axis.or(effect.column.clone()).map_or(String::new(), |target| format!(" {target}"));
+    name == effect.title || name == format!("{}{target}", effect.effect)
 }
 
 /// Against time, the field's rate of change and each housekeeping column, the axes side by side.

@@ -37,7 +37,12 @@ impl Clock {
     /// The time of a recording in this unit.
     pub fn timeline(&self, recording: &Recording) -> Timeline {
         let epoch_s = recording.start().map(|start| start.unix_s);
-        Timeline { group: recording.id.clone(), unit_s: self.seconds, epoch_s }
+        Timeline {
+            recording: recording.id.clone(),
+            group: recording.id.clone(),
+            unit_s: self.seconds,
+            epoch_s,
+        }
     }
 
     /// Times in this unit.

@@ -6,7 +6,9 @@ use report::Options;
 use report::page::html;
 use serde::Deserialize;
 use std::collections::HashMap;
-use std::fs;
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::net::TcpListener;
 use std::path::Path;
 use std::process::Command;
 
@@ -26,6 +28,9 @@ const WIDTHS: [u32; 2] = [1280, 390];
 
 /// Looks at the page and tells the page around it what is wrong, and how many plots there are.
 const CHECK: &str = include_str!("browser.html");
+
+/// What a reader does with a page: drags, turns the wheel, follows links, switches explanations off, saves.
+const STEPS: &str = include_str!("interactive.html");
 
 /// What one page told.
 #[derive(Deserialize)]
@@ -110,6 +115,71 @@ fn printed(folder: &Path, page: &str) {
     assert!(pages.last().is_some_and(|page| page.contains("Signature")), "{pages:?}");
 }
 
+/// Every step that a reader can take on a page, in real time: pages that are drawn anew wait for frames.
+#[test]
+#[ignore = "needs Chromium: just browser"]
+fn a_reader_uses_a_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut document = crate::fixture("diagnose/warm/expected.json");
+    let series = document["diagnosis"][0]["series"][0].clone();
+    let middle = series["x"][series["x"].as_array().expect("a list").len() / 2].clone();
+    let place = &mut document["diagnosis"][0]["where"][0];
+    place["recordings"] = serde_json::json!([series["recording"]]);
+    place["time_s"] = serde_json::json!([middle, middle.as_f64().map(|middle| 1.2 * middle)]);
+    let page = html::render(&crate::page(&document)).expect("HTML");
+    fs::write(folder.path().join("page.html"), page.replace("</body>", STEPS)).expect("written");
+    for (theme, width) in [("light", 1280), ("dark", 390)] {
+        let (seen, console) = used(folder.path(), theme, width);
+        assert_eq!((seen.theme.as_str(), seen.width), (theme, width));
+        assert!(seen.wrong.is_empty() && console.is_empty(), "{}\n{console:?}", seen.wrong.join("\n"));
+    }
+}
+
+/// The page in a frame of this width; what it told comes by a port of this machine.
+fn used(folder: &Path, theme: &str, width: u32) -> (Seen, Vec<String>) {
+    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    let port = listener.local_addr().expect("an address").port();
+    let all = format!(
+        "<!DOCTYPE html><meta name='color-scheme' content='light dark'><title></title><body style='margin:0'><script>\
+         onmessage = told => fetch('http://127.0.0.1:{port}', {{ method: 'POST', mode: 'no-cors', body: JSON.stringify(told.data) }});\
+         </script><iframe src='page.html' width='{width}' height='800' style='border:0'></iframe>"
+    );
+    fs::write(folder.join("all.html"), all).expect("written");
+    let log = folder.join("log");
+    let mut browser = chromium(folder, theme)
+        .args(["--window-size=1400,900", "--remote-debugging-port=0"])
+        .arg(format!("file://{}", folder.join("all.html").display()))
+        .stderr(File::create(&log).expect("a file"))
+        .spawn()
+        .expect("chromium; install it: apt-get install chromium");
+    let (mut told, _) = listener.accept().expect("an answer");
+    let (mut text, mut part) = (String::new(), [0; 4096]);
+    let answer = loop {
+        let read = told.read(&mut part).expect("an answer");
+        text += &String::from_utf8_lossy(&part[..read]);
+        let body = text.split_once("\r\n\r\n").map(|(_, body)| body);
+        if let Some(seen) = body.and_then(|body| serde_json::from_str::<Seen>(body).ok()) {
+            break seen;
+        }
+        assert!(read > 0, "{text}");
+    };
+    let _ = told.write_all(b"HTTP/1.1 204 No Content\r\n\r\n");
+    browser.kill().expect("ended");
+    browser.wait().expect("ended");
+    let log = fs::read_to_string(log).expect("a log");
+    (answer, log.lines().filter(|line| line.contains("CONSOLE")).map(str::to_string).collect())
+}
+
+/// The browser without a window.
+fn chromium(folder: &Path, theme: &str) -> Command {
+    let mut command = Command::new("chromium");
+    command
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr"])
+        .arg(format!("--blink-settings=preferredColorScheme={}", u8::from(theme == "light")))
+        .arg(format!("--user-data-dir={}", folder.join("profile").display()));
+    command
+}
+
 /// Opens the pages in frames of each width, since a window cannot be as narrow as a phone: what each told,
 /// and the console.
 fn open<'a>(folder: &Path, pages: impl Iterator<Item = &'a String>, theme: &str) -> (Vec<Seen>, Vec<String>) {
@@ -126,11 +196,8 @@ fn open<'a>(folder: &Path, pages: impl Iterator<Item = &'a String>, theme: &str)
         frames.concat()
     );
     fs::write(folder.join("all.html"), all).expect("written");
-    let output = Command::new("chromium")
-        .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr"])
+    let output = chromium(folder, theme)
         .args(["--virtual-time-budget=20000", "--dump-dom"])
-        .arg(format!("--blink-settings=preferredColorScheme={}", u8::from(theme == "light")))
-        .arg(format!("--user-data-dir={}", folder.join("profile").display()))
         .arg(format!("file://{}", folder.join("all.html").display()))
         .output()
         .unwrap_or_else(|error| panic!("chromium: {error}; install it: apt-get install chromium"));

@@ -39,7 +39,10 @@ pub struct Plot {
 /// The time of a recording, along x.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Timeline {
-    /// Id of the recording: its plots move together.
+    /// Id of the recording.
+    #[serde(skip)]
+    pub recording: String,
+    /// Plots of one group move together: those of a recording, and of others that began at the same time.
     pub group: String,
     /// Length of a step of 1 along x, s.
     pub unit_s: f64,
