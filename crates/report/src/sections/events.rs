@@ -20,6 +20,9 @@ const SEGMENT: usize = 512;
 const GAP: f64 = 1.5;
 /// Rows about an event in which another is the same.
 const NEAR: usize = 10;
+/// Rows over which the filter answers to an event, and the share of its size from which another one is more than that.
+const MEMORY: usize = 256;
+const ECHO: f64 = 0.3;
 /// So many of a kind are listed, the largest.
 const MOST: usize = 12;
 
@@ -114,11 +117,17 @@ fn striking(column: &str, values: &[f64], rows: Range<usize>, step_s: f64) -> Ve
     found.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
     let mut kept: Vec<Event> = Vec::new();
     for event in found {
-        if kept.len() < MOST && kept.iter().all(|other| other.row.abs_diff(event.row) > NEAR) {
+        if kept.len() < MOST && kept.iter().all(|other| stands_beside(&event, other)) {
             kept.push(event);
         }
     }
     kept
+}
+
+/// Whether an event is not the echo of a larger one in the filter.
+fn stands_beside(event: &Event, larger: &Event) -> bool {
+    let distance = larger.row.abs_diff(event.row);
+    distance > MEMORY || (distance > NEAR && event.ratio > ECHO * larger.ratio)
 }
 
 /// A series whose missing values are those before them; None of few or constant ones.
