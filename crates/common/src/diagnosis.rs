@@ -222,6 +222,16 @@ pub struct ExplainedEffect {
     pub extra: Extra,
 }
 
+impl ExplainedEffect {
+    /// Its name with what it acts on or follows.
+    pub fn label(&self) -> String {
+        let sensor = self.sensor.map(|axis| format!("sensor {axis}"));
+        let coil = self.coil.map(|axis| format!("coil {axis}"));
+        let targets = [sensor, coil, self.column.clone()].into_iter().flatten();
+        std::iter::once(self.effect.replace('_', " ")).chain(targets).collect::<Vec<_>>().join(", ")
+    }
+}
+
 /// A kind of physics that explains a difference, whatever its form.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -444,7 +454,7 @@ pub struct ResidualSeries {
     /// The readings themselves, nT: along time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub recorded_nt: Vec<f64>,
-    /// By how much the residual is larger without an effect, all else as it was fitted, nT: by its title.
+    /// By how much the residual is larger without an effect, all else as it was fitted, nT: by its label.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub contributions_nt: IndexMap<String, Vec<f64>>,
     /// Readings in each point; the last may have fewer.

@@ -57,6 +57,8 @@ struct Compared {
     /// Rms of each channel as the document has it, nT.
     as_it_came: Vec<f64>,
     clock: Option<Clock>,
+    /// What a clock that is late by a second adds to each channel, nT.
+    late_nt: Vec<Vec<f64>>,
     /// The rows of the pair, without readings.
     frame: Pair,
     /// Rms of what the fit leaves of each channel with the clocks as they were recorded, nT.
@@ -123,6 +125,7 @@ impl Compared {
             off: of.off,
             as_it_came: Vec::new(),
             clock: of.clock,
+            late_nt: of.problem.rates,
             frame: of.frame,
             unmoved: of.unmoved,
             explained: of.explained,
@@ -293,30 +296,57 @@ impl Compared {
         }
     }
 
-    /// Before and after along time and what is followed.
+    /// The label and the contribution to each channel, nT, of the clock and of each cause.
+    fn contributions(&self) -> Vec<(String, Vec<Vec<f64>>)> {
+        let (from, to) = (self.time_s.first(), self.time_s.last());
+        let middle_s = from.zip(to).map_or(0.0, |(from, to)| (from + to) / 2.0);
+        let clock = effects::clock(self).zip(self.clock.as_ref()).map(|(effect, clock)| {
+            let rate = clock.rate.as_ref().map_or(0.0, Quantity::value);
+            let late_s = |at_s: &f64| clock.offset_s.value() + rate * (at_s - middle_s);
+            let of = |late_nt: &Vec<f64>| {
+                late_nt.iter().zip(&self.time_s).map(|(nt, at_s)| nt * late_s(at_s)).collect()
+            };
+            (effect.label(), self.late_nt.iter().map(of).collect())
+        });
+        let causes = self.explained.causes.iter().enumerate().zip(&self.explained.contributions);
+        let causes =
+            causes.map(|((at, one), channels)| (effects::cause(self, at, one).label(), channels.clone()));
+        clock.into_iter().chain(causes).collect()
+    }
+
+    /// Before and after along time, the field's rate where a clock is late, and what is followed.
     fn series(&self) -> Vec<ResidualSeries> {
         let explained = &self.explained;
-        let followed = explained.causes.iter().filter_map(|one| match one.cause {
-            Cause::Covariate(number) => {
-                Some((self.covariates[number].as_str(), self.along[number].as_slice()))
-            }
-            _ => None,
-        });
-        let axes: Vec<(&str, &[f64])> =
-            [("time_s", self.time_s.as_slice())].into_iter().chain(followed).collect();
+        let followed: Vec<(&str, &[f64])> = explained
+            .causes
+            .iter()
+            .filter_map(|one| match one.cause {
+                Cause::Covariate(number) => {
+                    Some((self.covariates[number].as_str(), self.along[number].as_slice()))
+                }
+                _ => None,
+            })
+            .collect();
+        let contributions = self.contributions();
         let mut all = Vec::new();
         for (channel, (column, _)) in self.channels.iter().enumerate() {
-            for (along, x) in &axes {
-                let timed = *along == "time_s";
-                let of_effects = explained.causes.iter().zip(&explained.contributions);
+            let mut before = explained.before[channel].clone();
+            let rate: Option<Vec<f64>> = self.clock.as_ref().and(self.late_nt.get(channel)).map(|late_nt| {
+                let of_clock = contributions.iter().take(1).flat_map(|(_, of)| &of[channel]);
+                before.iter_mut().zip(of_clock).for_each(|(before, nt)| *before += nt);
+                late_nt.iter().map(|nt| -nt).collect()
+            });
+            let rate = rate.as_ref().map(|rate| ("field_rate_nt_per_s", rate.as_slice()));
+            let time = ("time_s", self.time_s.as_slice());
+            for (along, x) in [time].into_iter().chain(rate).chain(followed.iter().copied()) {
+                let timed = along == "time_s";
+                let of = |(label, of): &(String, Vec<Vec<f64>>)| (label.clone(), of[channel].clone());
                 let drawn = Drawn {
                     x: x.to_vec(),
-                    before: explained.before[channel].clone(),
+                    before: before.clone(),
                     after: explained.residual[channel].clone(),
                     recorded: if timed { self.recorded[channel].clone() } else { Vec::new() },
-                    contributions: of_effects
-                        .map(|(one, channels)| (self.name(one.cause), channels[channel].clone()))
-                        .collect(),
+                    contributions: contributions.iter().map(of).collect(),
                 };
                 let recording = timed.then(|| self.recordings.join(", "));
                 all.extend(drawn.series(recording, column, along));

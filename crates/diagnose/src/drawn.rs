@@ -18,7 +18,7 @@ pub struct Drawn {
     pub after: Vec<f64>,
     /// The readings, nT; empty where they are not drawn.
     pub recorded: Vec<f64>,
-    /// By how much the residual is larger without an effect, with the effect's title, nT.
+    /// By how much the residual is larger without an effect, with the effect's label, nT.
     pub contributions: Vec<(String, Vec<f64>)>,
 }
 
@@ -48,10 +48,10 @@ impl Drawn {
         let mut next = || columns.next().unwrap_or_default();
         let (before_nt, after_nt) = (next(), next());
         let recorded_nt = if recorded.is_some() { next() } else { Vec::new() };
-        // Several of one name, such as steps, are one contribution.
+        // Several of one label are one contribution.
         let mut contributions_nt: IndexMap<String, Vec<f64>> = IndexMap::new();
-        for ((title, _), values) in self.contributions.iter().zip(columns) {
-            let sum = contributions_nt.entry(title.clone()).or_insert_with(|| vec![0.0; values.len()]);
+        for ((label, _), values) in self.contributions.iter().zip(columns) {
+            let sum = contributions_nt.entry(label.clone()).or_insert_with(|| vec![0.0; values.len()]);
             sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         }
         Some(ResidualSeries {

@@ -11,7 +11,7 @@ mod series;
 mod unnamed;
 
 use common::number::{bare, p_value, probability, significant};
-use common::{Diagnosis, Document, Remaining, Residual, Share, Verdict};
+use common::{Diagnosis, Document, ExplainedEffect, Remaining, Residual, Share, Verdict};
 
 use crate::covariates;
 use crate::fit::Fitter;
@@ -41,6 +41,7 @@ pub fn report(
     let verdict = outcome.verdict;
     let fitter = Fitter { model, noise: &outcome.noise };
     let mut effects = effects::explained(model, outcome, &fitter)?;
+    let labels: Vec<String> = effects.iter().map(ExplainedEffect::label).collect();
     effects.sort_by(|a, b| b.held_out_gain_nt.total_cmp(&a.held_out_gain_nt));
     let structure = places::structure(outcome, options);
     let mut places: Vec<Share> =
@@ -124,6 +125,7 @@ pub fn report(
         reasons,
         recordings,
         places,
+        series: series::series(model, outcome, &labels, &guilty, &fields)?,
         effects,
         families: outcome.families.clone(),
         ambiguity,
@@ -131,7 +133,6 @@ pub fn report(
         fit: Some(fit),
         energy,
         base_shift: moved::shifts(model, outcome),
-        series: series::series(model, outcome, &guilty, &fields)?,
         detectable: detectable::detectable(searcher, outcome, &fitter, options)?,
         remaining: Some(Remaining {
             white: !left,

@@ -37,7 +37,8 @@ pub fn place(effect: &ExplainedEffect) -> &'static str {
     Kind::named(&effect.effect).map_or("sensor", |kind| kind.place().word())
 }
 
-fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect {
+/// One of the causes.
+pub fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect {
     let explained = &compared.explained;
     let contribution: f64 = explained.contributions[number].iter().map(|channel| rms(channel).powi(2)).sum();
     let before: f64 = explained.before.iter().map(|channel| rms(channel).powi(2)).sum();
@@ -259,7 +260,7 @@ pub fn times(quantity: &Quantity, by: f64) -> Quantity {
 const WITHIN: f64 = 2.0;
 
 /// The clock's offset, and its rate: a rate alone where it was right at the beginning.
-fn clock(compared: &Compared) -> Option<ExplainedEffect> {
+pub fn clock(compared: &Compared) -> Option<ExplainedEffect> {
     let clock = compared.clock.as_ref()?;
     let half_s =
         0.5 * compared.time_s.last().zip(compared.time_s.first()).map_or(0.0, |(last, first)| last - first);

@@ -17,10 +17,11 @@ const RECORDINGS: usize = 12;
 pub(super) fn series(
     model: &Model<'_>,
     outcome: &Outcome,
+    labels: &[String],
     guilty: &Guilty,
     fields: &[Vec<Vector3<f64>>],
 ) -> Result<Vec<ResidualSeries>, Error> {
-    let contributions = contributions(model, outcome)?;
+    let contributions = contributions(model, outcome, labels)?;
     let drawn = |channel: &Channel, values: &[f64]| -> Drawn {
         let rows: Vec<usize> = channel.range().collect();
         let of = |values: &[f64]| rows.iter().map(|row| values[*row]).collect();
@@ -29,7 +30,7 @@ pub(super) fn series(
             before: of(&outcome.before),
             after: of(&outcome.fit.residual),
             recorded: Vec::new(),
-            contributions: contributions.iter().map(|(title, values)| (title.clone(), of(values))).collect(),
+            contributions: contributions.iter().map(|(label, values)| (label.clone(), of(values))).collect(),
         }
     };
     let channels = || guilty.channels.iter().map(|number| &model.observed.channels[*number]);
@@ -62,7 +63,11 @@ pub(super) fn series(
 
 /// By how much the residual is larger without each of what was found, the calibration and the others as they were
 /// fitted, nT.
-fn contributions(model: &Model<'_>, outcome: &Outcome) -> Result<Vec<(String, Vec<f64>)>, Error> {
+fn contributions(
+    model: &Model<'_>,
+    outcome: &Outcome,
+    labels: &[String],
+) -> Result<Vec<(String, Vec<f64>)>, Error> {
     let without = |number: usize| {
         let (effects, singles) = places_of(outcome, number);
         let mut state = outcome.fit.state.clone();
@@ -70,7 +75,7 @@ fn contributions(model: &Model<'_>, outcome: &Outcome) -> Result<Vec<(String, Ve
         state.keep_effects(|effect| !effects.contains(&effect));
         let residual = model.residual(&state)?;
         let larger = residual.iter().zip(&outcome.fit.residual).map(|(without, with)| without - with);
-        Ok((outcome.found[number].name.clone(), larger.collect()))
+        Ok((labels[number].clone(), larger.collect()))
     };
     (0..outcome.found.len()).map(without).collect()
 }

@@ -7,7 +7,7 @@
  * @typedef {{name: string, mark: "points" | "line" | "dashes", style: number, bin?: number,
  *   x?: Coded, y?: Coded, low?: Coded, high?: Coded}} Kind
  * @typedef {{name: string, from: number, to: number, id: string}} Place
- * @typedef {{name: string, series: number, y: Coded, held_out_nt?: number}} Toggle
+ * @typedef {{name: string, id?: string, series: number, y: Coded, held_out_nt?: number}} Toggle
  * @typedef {{group: string, unit_s: number, epoch_s: number | null}} Time
  * @typedef {{x: Axis, y: Axis, map?: boolean, time?: Time, series: Kind[], marks?: Place[],
  *   toggles?: Toggle[], held_out?: number, spectrum?: boolean}} Spec

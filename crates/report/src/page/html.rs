@@ -6,7 +6,7 @@ use minijinja::{Value, context};
 
 use crate::page::plot::{self, Plot};
 use crate::page::words::escape;
-use crate::page::{Cell, Item, Page, Table, number, template};
+use crate::page::{Cell, Finding, Item, Page, Table, number, template};
 
 /// A table with more rows is folded.
 const FOLDED: usize = 12;
@@ -33,7 +33,7 @@ pub fn render(page: &Page) -> Result<String, common::Error> {
             id => section.id,
             title => section.title,
             words => section.words,
-            warnings => section.warnings.iter().map(|warning| &warning.words).collect::<Vec<_>>(),
+            warnings => section.warnings.iter().map(warning).collect::<Vec<_>>(),
             items => groups.map(|group| items(group, rows)).collect::<Vec<_>>(),
         }
     });
@@ -82,18 +82,17 @@ fn items(group: &[Item], rows: usize) -> Value {
     }
 }
 
+fn warning(finding: &Finding) -> Value {
+    let text = Value::from_safe_string(prose(&finding.words));
+    context! { text, link => finding.place.as_ref().and_then(|place| place.link.as_ref()) }
+}
+
 fn table(table: &Table) -> Value {
     let cell = |cell: &Cell| {
         let text = cell.to_string();
         let whole =
             !matches!(cell, Cell::Text(_) | Cell::Placed(..)) || escape(&text).chars().count() <= SHORT;
-        let link = match cell {
-            Cell::Placed(_, place) => place.link.as_ref().map(|[id, plot, group]| {
-                let [from, to] = place.time_s;
-                context! { id, plot, group, from, to }
-            }),
-            _ => None,
-        };
+        let link = if let Cell::Placed(_, place) = cell { place.link.as_ref() } else { None };
         context! { text, whole, link }
     };
     let row = |row: &Vec<Cell>| row.iter().map(cell).collect::<Vec<_>>();

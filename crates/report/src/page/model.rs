@@ -1,4 +1,6 @@
 use crate::page::plot::Plot;
+use serde::Serialize;
+
 use crate::page::table::Table;
 
 /// A page before it is written as HTML or text.
@@ -34,18 +36,39 @@ pub struct Finding {
     pub words: String,
     /// What it does to the result.
     pub effect: Effect,
+    /// The interval in which it is.
+    pub place: Option<Place>,
 }
 
-/// An interval of a recording's time that words speak of: where a plot shows it, they lead there.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// What words speak of: where the page shows it, they lead there.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// Id of the recording.
-    pub recording: String,
-    /// Its ends in `time_s` of the recording.
-    pub time_s: [f64; 2],
-    /// Id of the words within the page, of the plot that shows it, and of the plots that move with that; None
-    /// where none does.
-    pub link: Option<[String; 3]>,
+    /// What they speak of.
+    pub of: Target,
+    /// The way there; None where nothing shows it.
+    pub link: Option<Link>,
+}
+
+/// What words can lead to.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Target {
+    /// An interval between two `time_s`: of the recording, of the earliest of several.
+    Interval(Vec<String>, [f64; 2]),
+    /// An effect that can be switched off in a plot, by its name there.
+    Effect(String),
+    /// A section, by its id.
+    Section(String),
+}
+
+/// A link of the page.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Link {
+    /// Id of the words, by which plots lead back to them.
+    pub id: Option<String>,
+    /// Id of what it leads to.
+    pub to: String,
+    /// The plots that show an interval, and its ends.
+    pub shown: Option<(String, [f64; 2])>,
 }
 
 /// What a finding does to the result.
@@ -62,9 +85,15 @@ pub enum Effect {
 }
 
 impl Place {
-    /// A place that no plot shows as yet.
+    /// An interval of a recording.
     pub fn new(recording: impl Into<String>, time_s: [f64; 2]) -> Self {
-        Self { recording: recording.into(), time_s, link: None }
+        Target::Interval(vec![recording.into()], time_s).into()
+    }
+}
+
+impl From<Target> for Place {
+    fn from(of: Target) -> Self {
+        Self { of, link: None }
     }
 }
 
@@ -108,7 +137,12 @@ impl Effect {
 impl Finding {
     /// A finding with its effect.
     pub fn of(words: impl Into<String>, effect: Effect) -> Self {
-        Self { words: words.into(), effect }
+        Self { words: words.into(), effect, place: None }
+    }
+
+    /// The same, in an interval of a recording.
+    pub fn within(self, recording: impl Into<String>, time_s: [f64; 2]) -> Self {
+        Self { place: Some(Place::new(recording, time_s)), ..self }
     }
 
     /// Sorts findings: what moves most comes first, and what is equal keeps its order.

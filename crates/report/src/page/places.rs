@@ -1,13 +1,15 @@
 //! From words to the plots that show what they speak of, and back.
 
 use crate::page::plot::{Interval, Plot, Timeline};
-use crate::page::{Cell, Item, Place, Section};
+use crate::page::{Cell, Item, Link, Place, Section, Target};
 
-/// Gives the words of each place that a plot shows an id and the plot to lead to, and marks it in all plots of
-/// its recording. Plots of recordings that began at the same time become one group.
-pub fn link(sections: &mut [Section]) {
-    let mut shown: Vec<(Timeline, String)> = Vec::new();
+/// Gives words that speak of a place an id and a link to the plot that shows it. Plots of one recording mark its
+/// intervals; plots of recordings that began at the same time become one group. `earliest` tells which of some
+/// recordings began first.
+pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<String>) {
+    let (mut shown, mut effects): (Vec<(Timeline, String)>, Vec<(String, String)>) = Default::default();
     for plot in items(sections).filter_map(drawn) {
+        effects.extend(plot.toggles.iter().map(|toggle| (toggle.name.clone(), plot.id.clone())));
         let Some(time) = &mut plot.time else { continue };
         let alike = |known: &&(Timeline, String)| time.epoch_s.is_some() && known.0.epoch_s == time.epoch_s;
         if let Some((known, _)) = shown.iter().find(alike) {
@@ -16,16 +18,36 @@ pub fn link(sections: &mut [Section]) {
         shown.push((time.clone(), plot.id.clone()));
     }
     let mut marks: Vec<(String, [f64; 2], Interval)> = Vec::new();
-    for (words, place) in items(sections).flat_map(placed) {
-        let Some((time, plot)) = shown.iter().find(|(time, _)| time.recording == place.recording) else {
-            continue;
+    let mut speaking: Vec<(String, String)> = Vec::new();
+    let places = sections.iter_mut().flat_map(placed);
+    for (number, (words, place)) in places.enumerate() {
+        let id = Some(format!("place-{}", number + 1));
+        place.link = match &place.of {
+            Target::Section(section) => Some(Link { to: section.clone(), ..Link::default() }),
+            Target::Effect(name) => effects.iter().find(|(known, _)| known == name).map(|(_, plot)| {
+                speaking.extend(id.clone().map(|id| (name.clone(), id)));
+                Link { id, to: plot.clone(), shown: None }
+            }),
+            Target::Interval(recordings, time_s) => earliest(recordings).and_then(|recording| {
+                let shows = |(time, _): &&(Timeline, String)| time.recording == recording;
+                shown.iter().find(shows).map(|(time, plot)| {
+                    let name = shortened(words);
+                    let known = |(of, at, mark): &(String, [f64; 2], Interval)| {
+                        *of == recording && at == time_s && mark.name == name
+                    };
+                    if !marks.iter().any(known) {
+                        let id = id.clone().unwrap_or_default();
+                        marks.push((recording.clone(), *time_s, Interval { name, from: 0.0, to: 0.0, id }));
+                    }
+                    Link { id, to: plot.clone(), shown: Some((time.group.clone(), *time_s)) }
+                })
+            }),
         };
-        let id = format!("place-{}", marks.len() + 1);
-        let mark = Interval { name: shortened(words), from: 0.0, to: 0.0, id: id.clone() };
-        marks.push((place.recording.clone(), place.time_s, mark));
-        place.link = Some([id, plot.clone(), time.group.clone()]);
     }
     for plot in items(sections).filter_map(drawn) {
+        for toggle in &mut plot.toggles {
+            toggle.id = speaking.iter().find(|(name, _)| *name == toggle.name).map(|(_, id)| id.clone());
+        }
         let Some(time) = &plot.time else { continue };
         let own = marks.iter().filter(|(recording, ..)| *recording == time.recording);
         plot.marks = own
@@ -55,22 +77,25 @@ fn drawn(item: &mut Item) -> Option<&mut Plot> {
     if let Item::Plot(plot) = item { Some(plot.as_mut()) } else { None }
 }
 
-/// The words of a table that have a place.
-fn placed(item: &mut Item) -> Vec<(&String, &mut Place)> {
-    let Item::Table(table) = item else { return Vec::new() };
-    let cells = table.rows.iter_mut().flatten();
-    cells
-        .filter_map(|cell| match cell {
-            Cell::Placed(words, place) => Some((&*words, place)),
-            _ => None,
-        })
-        .collect()
+/// The words of a section that have a place: findings and cells of tables.
+fn placed(section: &mut Section) -> impl Iterator<Item = (&String, &mut Place)> {
+    let findings = section.warnings.iter_mut().filter_map(|one| Some((&one.words, one.place.as_mut()?)));
+    let tables = section.items.iter_mut().filter_map(|item| match item {
+        Item::Table(table) => Some(table),
+        _ => None,
+    });
+    let cells = tables.flat_map(|table| table.rows.iter_mut().flatten());
+    findings.chain(cells.filter_map(|cell| match cell {
+        Cell::Placed(words, place) => Some((&*words, place)),
+        _ => None,
+    }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::page::Table;
+    use crate::page::plot::Toggle;
 
     #[test]
     fn words_lead_to_a_plot_of_their_recording_alone() {
@@ -79,21 +104,28 @@ mod tests {
         for recording in ["night", "day"] {
             table.rows.push(vec![Cell::Placed("a gap".into(), Place::new(recording, [7200.0, 10_800.0]))]);
         }
+        for target in [Target::Effect("a lag".into()), Target::Section("s".into())] {
+            table.rows.push(vec![Cell::Placed("words".into(), target.into())]);
+        }
         let time = Timeline { recording: "day".into(), group: "day".into(), unit_s: 3600.0, epoch_s: None };
-        let plot = Plot { time: Some(time), ..Plot::new("p", "P") };
+        let toggle = |name: &str| Toggle { name: name.into(), ..Toggle::default() };
+        let toggles = vec![toggle("a step"), toggle("a lag")];
+        let plot = Plot { time: Some(time), toggles, ..Plot::new("p", "P") };
         section.items.extend([Item::Table(table), Item::Plot(Box::new(plot))]);
         let mut sections = [section];
-        link(&mut sections);
+        link(&mut sections, |recordings| recordings.first().cloned());
         let [Item::Table(table), Item::Plot(plot)] = sections[0].items.as_slice() else {
             panic!("a table, a plot")
         };
-        let links: Vec<bool> = table
-            .rows
-            .iter()
-            .map(|row| matches!(&row[0], Cell::Placed(_, place) if place.link.is_some()))
-            .collect();
-        assert_eq!(links, [false, true]);
-        let mark = Interval { name: "a gap".into(), from: 2.0, to: 3.0, id: "place-1".into() };
+        let link = |row: &Vec<Cell>| match &row[0] {
+            Cell::Placed(_, place) => place.link.as_ref().map(|link| link.to.clone()),
+            _ => None,
+        };
+        let links: Vec<Option<String>> = table.rows.iter().map(link).collect();
+        assert_eq!(links, [None, Some("p".into()), Some("p".into()), Some("s".into())]);
+        let ids: Vec<Option<&str>> = plot.toggles.iter().map(|toggle| toggle.id.as_deref()).collect();
+        assert_eq!(ids, [None, Some("place-3")]);
+        let mark = Interval { name: "a gap".into(), from: 2.0, to: 3.0, id: "place-2".into() };
         assert_eq!(plot.marks, [mark]);
     }
 }

@@ -408,10 +408,12 @@ function offer(plots) {
   field.className = "explanations";
   (figure.closest(".plots") ?? figure).before(field);
   add(field, "legend", {}, "Explanations");
-  for (const name of new Set(plots.flatMap(plot => plot.spec.toggles ?? []).map(toggle => toggle.name))) {
+  const all = plots.flatMap(plot => plot.spec.toggles ?? []);
+  for (const { name, id } of new Map(all.map(toggle => [toggle.name, toggle])).values()) {
     const label = add(field, "label");
     const box = /** @type {HTMLInputElement} */ (add(label, "input", { type: "checkbox", checked: "" }));
-    label.append(name);
+    if (id) add(label, "a", { href: `#${id}` }, name);
+    else label.append(name);
     box.addEventListener("change", () => {
       without[box.checked ? "delete" : "add"](name);
       plots.filter(plot => plot.load()).forEach(plot => plot.explain());

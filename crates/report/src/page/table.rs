@@ -34,7 +34,7 @@ pub enum Cell {
     Empty,
     /// Words.
     Text(String),
-    /// Words about an interval of a recording.
+    /// Words that lead somewhere.
     Placed(String, Place),
     /// A count.
     Count(usize),

@@ -3,7 +3,7 @@
 //! What a template is given is the document as JSON has it. What is missing there is missing in the cells:
 //! the way to it need not be asked for.
 
-use common::{Axis, Quantity};
+use common::{Axis, ExplainedEffect, Quantity};
 use minijinja::value::{Object, ObjectRepr, Rest, Value, ValueKind, from_args};
 use minijinja::{AutoEscape, Environment, Error, ErrorKind, UndefinedBehavior};
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::page::plot::{Dimension, Mark, Plot, Series};
-use crate::page::{Cell, Header, Item, Place, Section, Table, number, words};
+use crate::page::{Cell, Header, Item, Section, Table, Target, number, words};
 
 /// What a template calls to add to the page.
 const FUNCTIONS: [&str; 12] = [
@@ -250,6 +250,12 @@ pub fn environment() -> Environment<'static> {
     environment.add_filter("unit", |name: String| words::key(&name).1);
     environment.add_filter("std_of", std_of);
     environment.add_filter("at", at);
+    environment.add_filter("explained", |name: String| {
+        Value::from_object(Cell::Placed(name.clone(), Target::Effect(name).into()))
+    });
+    environment.add_filter("label", |effect: Value| {
+        ExplainedEffect::deserialize(effect).map(|effect| effect.label())
+    });
     environment.add_filter("minus", minus);
     environment.add_filter("times", |all: Vec<f64>, factor: f64| -> Vec<f64> {
         all.iter().map(|one| one * factor).collect()
@@ -286,12 +292,17 @@ fn std_of(of: &Value, parameter: &str) -> Option<f64> {
     f64::try_from(row.get_item_by_index(place).ok()?).ok().map(f64::sqrt)
 }
 
-/// Words about an interval or a moment of a recording; words alone where one of these is not known.
-fn at(words: String, recording: Value, time_s: Value) -> Value {
-    let moment = f64::try_from(time_s.clone()).ok().map(|moment| [moment; 2]);
-    let time_s = moment.or_else(|| <[f64; 2]>::deserialize(time_s).ok());
-    let cell = match (recording.as_str(), time_s) {
-        (Some(recording), Some(time_s)) => Cell::Placed(words, Place::new(recording, time_s)),
+/// Words about an interval or a moment of recordings; words alone where one of these is not known.
+fn at(words: String, recordings: Value, time_s: Value) -> Value {
+    let time_s = Some(time_s).filter(|time_s| !time_s.is_undefined() && !time_s.is_none());
+    let time_s = time_s.and_then(|time_s| match Quantity::deserialize(time_s.clone()) {
+        Ok(moment) => Some([moment.value(); 2]),
+        Err(_) => <[f64; 2]>::deserialize(time_s).ok(),
+    });
+    let cell = match (Vec::<String>::deserialize(recordings), time_s) {
+        (Ok(recordings), Some(time_s)) if !recordings.is_empty() => {
+            Cell::Placed(words, Target::Interval(recordings, time_s).into())
+        }
         _ => words.into(),
     };
     Value::from_object(cell)

@@ -18,6 +18,7 @@ use common::{Diagnosis, Document, Error, Residual};
 use minijinja::{Value, context};
 use std::collections::{HashMap, HashSet};
 
+use crate::page::{Cell, Target};
 use crate::plot::Plot;
 use crate::{Effect, Finding, Item, Options, Page, Section, Table, number};
 
@@ -36,7 +37,6 @@ pub fn page(document: &Document, conformity: Option<Section>, options: &Options)
     let nothing = parts.is_empty();
     let mut sections: Vec<Section> = conformity.into_iter().chain(parts).collect();
     tell_apart(&mut sections);
-    crate::page::link(&mut sections);
     sections.iter_mut().for_each(|part| Finding::sort(&mut part.warnings, |finding| finding));
     let listed = ranked(&sections);
     let first = sections.iter().take_while(|section| section.id == crate::conformity::ID).count();
@@ -48,6 +48,8 @@ pub fn page(document: &Document, conformity: Option<Section>, options: &Options)
         sha256 => template::part(&options.document_sha256),
         ..context
     };
+    let earliest = |ids: &[String]| time::earliest(document, ids).map(|recording| recording.id.clone());
+    crate::page::link(&mut sections, earliest);
     let head = template::sections(include_str!("../head.jinja"), context, Plots::new())?;
     let Section { title, words, .. } = head.into_iter().next().unwrap_or_default();
     Ok(Page { title, summary: words, sections })
@@ -89,6 +91,7 @@ fn given(document: &Document) -> (Value, Plots) {
         clock => template::part(&clock),
         middles => template::part(&middles),
         absurd,
+        single_readings => residuals::single_readings(document),
         procedures => recordings::procedures(document),
         recordings => recordings::list(document),
         corrected => recordings::corrected(&mut plots, document),
@@ -136,13 +139,13 @@ const FIRST: usize = 8;
 
 /// All findings in one list, by what they do to the result.
 fn ranked<'a>(sections: &'a [Section]) -> Option<Section> {
-    let of = |section: &'a Section| section.warnings.iter().map(|finding| (finding, &section.title));
-    let mut all: Vec<(&Finding, &String)> = sections.iter().flat_map(of).collect();
+    let of = |section: &'a Section| section.warnings.iter().map(move |finding| (finding, section));
+    let mut all: Vec<(&Finding, &Section)> = sections.iter().flat_map(of).collect();
     Finding::sort(&mut all, |(finding, _)| finding);
     let table = |caption| Table::new(caption, "changes the result by | finding | where");
     let (mut first, mut others) =
         (table("Findings, largest change of the result first"), table("The others"));
-    for (place, (finding, title)) in all.into_iter().enumerate() {
+    for (place, (finding, section)) in all.into_iter().enumerate() {
         let table = if place < FIRST { &mut first } else { &mut others };
         let figures = |size| number::significant(size, 2);
         let effect = match finding.effect {
@@ -152,7 +155,12 @@ fn ranked<'a>(sections: &'a [Section]) -> Option<Section> {
             Effect::Unstated(reason) => format!("– ({reason})"),
         };
         let words = finding.words.replace('`', "");
-        table.rows.push(vec![effect.into(), words.into(), title.as_str().into()]);
+        let words = match &finding.place {
+            Some(place) => Cell::Placed(words, place.clone()),
+            None => words.into(),
+        };
+        let section = Cell::Placed(section.title.clone(), Target::Section(section.id.clone()).into());
+        table.rows.push(vec![effect.into(), words, section]);
     }
     let mut section = Section::new("findings", "What stands out");
     section.items.extend([first, others].map(Item::Table));

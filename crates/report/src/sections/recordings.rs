@@ -226,7 +226,13 @@ pub fn flagged(document: &Document) -> Vec<Finding> {
             recording.id,
             counts.join(", ")
         );
-        (!counts.is_empty()).then(|| Finding::of(words, Effect::Unstated("left out of the result")))
+        let finding = Finding::of(words, Effect::Unstated("left out of the result"));
+        let first = flags.iter().position(|flags| *flags != 0.0)?;
+        let last = flags.iter().rposition(|flags| *flags != 0.0)?;
+        Some(match recording.column("time_s") {
+            Some(time) => finding.within(&recording.id, [time[first], time[last]]),
+            None => finding,
+        })
     });
     found.collect()
 }

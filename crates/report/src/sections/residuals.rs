@@ -2,9 +2,11 @@
 //! likewise.
 
 use crate::page::words::{key, slug};
-use common::{Axis, Diagnosis, DifferentialFit, Document, ExplainedEffect, Recording, ResidualSeries};
+use crate::page::{Cell, Place};
+use common::{Axis, Diagnosis, DifferentialFit, Document, DoubtfulValue, Recording, ResidualSeries};
+use minijinja::{Value, context};
 
-use super::time::Clock;
+use super::time::{Clock, earliest};
 use super::{Plots, side_by_side};
 use crate::number;
 use crate::plot::{Dimension, Mark, Plot, Series, Toggle};
@@ -61,7 +63,7 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
     if !series.recorded_nt.is_empty() {
         let pairs = series.recorded_nt.iter().zip(&series.before_nt);
         let model: Vec<f64> = pairs.map(|(recorded, before)| recorded - before).collect();
-        let of = names.recording.map_or("", |recording| recording.id.as_str());
+        let of = series.recording.as_deref().unwrap_or_default();
         let recorded = plot("-recorded", format!("{}, {of}: recording and model", key(&series.column).0));
         plots.push(
             Plot { y: "field [nT]".into(), ..recorded }
@@ -69,7 +71,11 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
                 .with(Series::new("model: stated calibration", Mark::Dashes, 5, &x, &model)),
         );
     }
-    plots.push(both);
+    // What each effect makes of a covariate.
+    let curves = series.contributions_nt.iter().filter(|_| !times).enumerate();
+    let curves =
+        curves.map(|(number, (effect, values))| Series::new(effect, Mark::Dashes, 2 + number, &x, values));
+    plots.push(curves.fold(both, Plot::with));
     let span = |values: &[f64]| number::span(values.iter().copied());
     if span(&series.after_nt) < FLAT * span(&series.before_nt) {
         plots.push(plot("-left", format!("{title}: {after}")).with(left));
@@ -77,7 +83,7 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
     if times && !series.contributions_nt.is_empty() {
         let mut explained = plot("-explained", format!("{title}: what each effect explains"));
         for (style, (effect, values)) in series.contributions_nt.iter().enumerate() {
-            explained.push(Series::new(effect.replace('_', " "), Mark::Line, style, &x, values));
+            explained.push(Series::new(effect, Mark::Line, style, &x, values));
         }
         plots.push(explained);
     }
@@ -94,11 +100,12 @@ fn toggles(plot: &Plot, after: &str, series: &ResidualSeries, diagnosis: Option<
     let Some(number) = plot.series.iter().position(|one| one.name == after) else { return Vec::new() };
     let held_out = |name: &str| {
         let of = diagnosis?;
-        let gain = of.effects.iter().find(|effect| is_called(effect, name))?.held_out_gain_nt;
+        let gain = of.effects.iter().find(|effect| effect.label() == name)?.held_out_gain_nt;
         Some(of.fit.as_ref()?.held_out_after_nt + gain)
     };
     let toggle = |(name, y): (&String, &Vec<f64>)| Toggle {
-        name: name.replace('_', " "),
+        name: name.clone(),
+        id: None,
         series: number,
         y: y.clone(),
         held_out_nt: held_out(name),
@@ -106,16 +113,9 @@ fn toggles(plot: &Plot, after: &str, series: &ResidualSeries, diagnosis: Option<
     series.contributions_nt.iter().map(toggle).collect()
 }
 
-/// Whether a contribution's name is that of an effect: its title, or its name with what it acts on.
-fn is_called(effect: &ExplainedEffect, name: &str) -> bool {
-    let axis = effect.sensor.or(effect.coil).map(|axis| axis.to_string());
-    let target = axis.or(effect.column.clone()).map_or(String::new(), |target| format!(" {target}"));
-    name == effect.title || name == format!("{}{target}", effect.effect)
-}
-
 /// Against time, the field's rate of change and each housekeeping column, the axes side by side.
 pub fn of_difference(fit: &DifferentialFit, document: &Document) -> Vec<Plot> {
-    let recording = if let [one] = fit.recordings.as_slice() { named(document, one) } else { None };
+    let recording = earliest(document, &fit.recordings);
     let mut along: Vec<&str> = Vec::new();
     for series in &fit.series {
         if !along.contains(&series.along.as_str()) {
@@ -130,10 +130,6 @@ pub fn of_difference(fit: &DifferentialFit, document: &Document) -> Vec<Plot> {
         })
     });
     of_each.flat_map(|axes| side_by_side(axes.into())).collect()
-}
-
-fn named<'a>(document: &'a Document, id: &str) -> Option<&'a Recording> {
-    document.recordings.iter().find(|one| one.id == id)
 }
 
 fn one(axis: Axis, series: &ResidualSeries, recording: Option<&Recording>) -> Vec<Plot> {
@@ -177,8 +173,31 @@ pub fn of_diagnosis(all: &mut Plots, document: &Document) {
     }
 }
 
+/// Of each diagnosis the rows of the table of single readings that are off.
+pub fn single_readings(document: &Document) -> Vec<Vec<Value>> {
+    let row = |one: &DoubtfulValue| {
+        let recording = document.recordings.iter().find(|recording| recording.id == one.recording);
+        let time = recording.and_then(|recording| recording.column("time_s")?.get(one.row).copied());
+        let (column, _) = key(&one.column);
+        let cell = match time {
+            Some(time) => Cell::Placed(column, Place::new(&one.recording, [time; 2])),
+            None => column.into(),
+        };
+        let off = Value::from_serialize(&one.departure_nt);
+        context! { reading => Value::from_object(cell), recording => one.recording, row => one.row, off }
+    };
+    let of =
+        |diagnosis: &Diagnosis| diagnosis.places.iter().flat_map(|place| &place.readings).map(row).collect();
+    document.diagnosis.iter().flatten().map(of).collect()
+}
+
 fn residuals(id: String, series: &ResidualSeries, diagnosis: &Diagnosis, document: &Document) -> Vec<Plot> {
-    let recording = series.recording.as_deref().and_then(|id| named(document, id));
+    // Those of a pair are not one recording.
+    let own = |id: &String| earliest(document, std::slice::from_ref(id));
+    let recording = series
+        .recording
+        .as_ref()
+        .and_then(|id| own(id).or_else(|| earliest(document, &diagnosis.recordings)));
     let of = series.recording.as_deref().unwrap_or("all recordings");
     let (column, _) = key(&series.column);
     let noise = diagnosis.fit.as_ref().map(|fit| {

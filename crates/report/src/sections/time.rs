@@ -2,7 +2,7 @@
 
 use crate::page::number;
 use crate::page::plot::{Dimension, Timeline};
-use common::{MatrixStability, Recording};
+use common::{Document, MatrixStability, Recording};
 use minijinja::{Value, context};
 
 /// A unit of time.
@@ -49,6 +49,14 @@ impl Clock {
     pub fn times(&self, times_s: &[f64]) -> Vec<f64> {
         times_s.iter().map(|time| time / self.seconds).collect()
     }
+}
+
+/// The recording that began first, from whose start the times of a comparison count; of none that is dated the
+/// first named.
+pub fn earliest<'a>(document: &'a Document, ids: &[String]) -> Option<&'a Recording> {
+    let named = |id: &String| document.recordings.iter().find(|recording| recording.id == *id);
+    let start = |recording: &&Recording| recording.start().map_or(f64::INFINITY, |start| start.unix_s);
+    ids.iter().filter_map(named).min_by(|a, b| start(a).total_cmp(&start(b)))
 }
 
 /// The middles of the windows of time and of the bands of periods in which a matrix was found.

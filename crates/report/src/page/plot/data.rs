@@ -81,6 +81,8 @@ struct WrittenSeries<'a> {
 #[derive(Serialize)]
 struct WrittenToggle<'a> {
     name: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    id: Option<&'a str>,
     series: usize,
     y: Numbers,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -134,8 +136,9 @@ fn column(series: &Series, rows: usize) -> WrittenSeries<'_> {
 }
 
 fn switched(toggle: &Toggle) -> WrittenToggle<'_> {
-    let Toggle { name, series, y, held_out_nt } = toggle;
-    WrittenToggle { name, series: *series, y: numbers(y), held_out_nt: *held_out_nt }
+    let Toggle { name, id, series, y, held_out_nt } = toggle;
+    let y = numbers(y);
+    WrittenToggle { name, id: id.as_deref(), series: *series, y, held_out_nt: *held_out_nt }
 }
 
 /// The smallest and the largest value of some rows.

@@ -64,10 +64,12 @@ pub struct Interval {
 }
 
 /// An explanation that can be switched off.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Toggle {
     /// Its name.
     pub name: String,
+    /// Id of the words about it.
+    pub id: Option<String>,
     /// Number of the series that it is taken off from.
     pub series: usize,
     /// What it takes off, point by point.
