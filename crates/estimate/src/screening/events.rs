@@ -15,7 +15,7 @@ use crate::stats::{coverage_factor, mean};
 
 /// What is slower than so many samples counts as unknown: drift, daily courses and what the noise's model
 /// lacks there cannot look like steps.
-const MEMORY: usize = 256;
+pub const MEMORY: usize = 256;
 /// Samples on either side of a missing one that tell of it.
 const AROUND: usize = 4096;
 /// Rows at either end where nothing is looked for.

@@ -77,7 +77,3 @@ pub fn largest(all: Option<Vec<f64>>) -> Option<f64> {
     let all = all.filter(|all| !all.is_empty())?;
     Some(all.iter().map(|one| one.abs()).fold(0.0, f64::max))
 }
-
-pub fn rms(all: Vec<f64>) -> f64 {
-    (all.iter().map(|one| one * one).sum::<f64>() / all.len().max(1) as f64).sqrt()
-}

@@ -50,7 +50,7 @@ pub fn run(document: &Document, asked: &Asked<'_>) -> Result<Sheet, Error> {
         freedom.map(|freedom| stats::coverage_factor(0.95, freedom))
     });
     environment.add_filter("largest", given::largest);
-    environment.add_filter("rms", given::rms);
+    environment.add_filter("rms", |all: Vec<f64>| estimate::stats::rms(&all));
     let mut sheet = template::filled(
         environment,
         include_str!("certificate.jinja"),

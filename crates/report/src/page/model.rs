@@ -67,7 +67,7 @@ pub struct Link {
     pub id: Option<String>,
     /// Id of what it leads to.
     pub to: String,
-    /// The plots that show an interval, and its ends.
+    /// The plots that show an interval, and its ends as moments.
     pub shown: Option<(String, [f64; 2])>,
 }
 

@@ -1,21 +1,28 @@
 //! From words to the plots that show what they speak of, and back.
 
+use crate::page::number;
 use crate::page::plot::{Interval, Plot, Timeline};
 use crate::page::{Cell, Item, Link, Place, Section, Target};
 
 /// Gives words that speak of a place an id and a link to the plot that shows it. Plots of one recording mark its
-/// intervals; plots of recordings that began at the same time become one group. `earliest` tells which of some
+/// intervals; plots of recordings that overlap in time become one group. `earliest` tells which of some
 /// recordings began first.
 pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<String>) {
-    let (mut shown, mut effects): (Vec<(Timeline, String)>, Vec<(String, String)>) = Default::default();
+    let (mut shown, mut effects): (Vec<(Timeline, [f64; 2], String)>, Vec<(String, String)>) =
+        Default::default();
     for plot in items(sections).filter_map(drawn) {
         effects.extend(plot.toggles.iter().map(|toggle| (toggle.name.clone(), plot.id.clone())));
-        let Some(time) = &mut plot.time else { continue };
-        let alike = |known: &&(Timeline, String)| time.epoch_s.is_some() && known.0.epoch_s == time.epoch_s;
-        if let Some((known, _)) = shown.iter().find(alike) {
+        let ends = number::ends(plot.series.iter().flat_map(|series| &series.points).map(|point| point.x));
+        let (Some(time), Some(ends)) = (&mut plot.time, ends) else { continue };
+        let own = ends.map(|end| time.moment(end * time.unit_s));
+        let beside = |(known, of, _): &&(Timeline, [f64; 2], String)| {
+            known.recording == time.recording
+                || (known.epoch_s.and(time.epoch_s).is_some() && own[0] < of[1] && of[0] < own[1])
+        };
+        if let Some((known, ..)) = shown.iter().find(beside) {
             time.group.clone_from(&known.group);
         }
-        shown.push((time.clone(), plot.id.clone()));
+        shown.push((time.clone(), own, plot.id.clone()));
     }
     let mut marks: Vec<(String, [f64; 2], Interval)> = Vec::new();
     let mut speaking: Vec<(String, String)> = Vec::new();
@@ -29,8 +36,8 @@ pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<Str
                 Link { id, to: plot.clone(), shown: None }
             }),
             Target::Interval(recordings, time_s) => earliest(recordings).and_then(|recording| {
-                let shows = |(time, _): &&(Timeline, String)| time.recording == recording;
-                shown.iter().find(shows).map(|(time, plot)| {
+                let shows = |(time, ..): &&(Timeline, [f64; 2], String)| time.recording == recording;
+                shown.iter().find(shows).map(|(time, _, plot)| {
                     let name = shortened(words);
                     let known = |(of, at, mark): &(String, [f64; 2], Interval)| {
                         *of == recording && at == time_s && mark.name == name
@@ -39,7 +46,11 @@ pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<Str
                         let id = id.clone().unwrap_or_default();
                         marks.push((recording.clone(), *time_s, Interval { name, from: 0.0, to: 0.0, id }));
                     }
-                    Link { id, to: plot.clone(), shown: Some((time.group.clone(), *time_s)) }
+                    Link {
+                        id,
+                        to: plot.clone(),
+                        shown: Some((time.group.clone(), time_s.map(|own| time.moment(own)))),
+                    }
                 })
             }),
         };
@@ -95,7 +106,7 @@ fn placed(section: &mut Section) -> impl Iterator<Item = (&String, &mut Place)> 
 mod tests {
     use super::*;
     use crate::page::Table;
-    use crate::page::plot::Toggle;
+    use crate::page::plot::{Series, Toggle};
 
     #[test]
     fn words_lead_to_a_plot_of_their_recording_alone() {
@@ -111,6 +122,7 @@ mod tests {
         let toggle = |name: &str| Toggle { name: name.into(), ..Toggle::default() };
         let toggles = vec![toggle("a step"), toggle("a lag")];
         let plot = Plot { time: Some(time), toggles, ..Plot::new("p", "P") };
+        let plot = plot.with(Series::points("field", 0, &[0.0, 24.0], &[0.0; 2]));
         section.items.extend([Item::Table(table), Item::Plot(Box::new(plot))]);
         let mut sections = [section];
         link(&mut sections, |recordings| recordings.first().cloned());
@@ -127,5 +139,29 @@ mod tests {
         assert_eq!(ids, [None, Some("place-3")]);
         let mark = Interval { name: "a gap".into(), from: 2.0, to: 3.0, id: "place-2".into() };
         assert_eq!(plot.marks, [mark]);
+    }
+
+    #[test]
+    fn plots_of_recordings_that_overlap_move_together() {
+        let plot = |recording: &str, epoch_s: Option<f64>| {
+            let time =
+                Timeline { recording: recording.into(), group: recording.into(), unit_s: 3600.0, epoch_s };
+            let plot = Plot { time: Some(time), ..Plot::new(recording, recording) };
+            Item::Plot(Box::new(plot.with(Series::points("field", 0, &[0.0, 24.0], &[0.0; 2]))))
+        };
+        let day_s = 86_400.0;
+        let mut sections = [Section {
+            items: vec![
+                plot("first", Some(9.0 * day_s)),
+                plot("late", Some(9.5 * day_s)),
+                plot("next", Some(10.6 * day_s)),
+                plot("undated", None),
+            ],
+            ..Section::default()
+        }];
+        link(&mut sections, |_| None);
+        let group = |item: &mut Item| drawn(item).and_then(|plot| Some(plot.time.as_ref()?.group.clone()));
+        let groups: Vec<_> = items(&mut sections).filter_map(group).collect();
+        assert_eq!(groups, ["first", "first", "next", "undated"]);
     }
 }

@@ -19,7 +19,8 @@ function frame() {
   now.forEach(plot => plot.update());
 }
 
-/** Plots that move together. Spans are seconds, or steps of the axis in a plot without time. */
+/** Plots that move together. Spans are seconds, Unix time where it is known, or steps of the axis of a plot
+ * without time. */
 class Group {
   plots = /** @type {Plot[]} */ ([]);
   across = /** @type {Span | null} */ (null);
@@ -31,7 +32,7 @@ class Group {
   show(across, up = null) {
     const read = this.plots.filter(plot => plot.series.length);
     const rows = Math.max(1e4, ...read.flatMap(plot => plot.series.map(series => series.x.length)));
-    this.across = across && within(across, union(read.map(plot => times(plot.whole.x, plot.unit))), rows);
+    this.across = across && within(across, union(read.map(plot => plot.seconds(plot.whole.x))), rows);
     this.up = up && within(up, read[0].whole.y, rows);
     for (const plot of this.plots) {
       plot.figure.classList.toggle("zoomed", Boolean(this.across || this.up));
@@ -75,6 +76,7 @@ class Plot {
     this.group = group;
     this.source = source;
     this.unit = spec.time?.unit_s ?? 1;
+    this.epoch = spec.time?.epoch_s ?? 0;
     this.title = caption.textContent ?? "";
     this.over = document.createElementNS(SVG, "g");
     this.over.setAttribute("class", "over");
@@ -111,6 +113,16 @@ class Plot {
     }).observe(figure);
   }
 
+  /** A span of the axis as one of the group. @param {Span} across @returns {Span} */
+  seconds([from, to]) {
+    return [this.epoch + from * this.unit, this.epoch + to * this.unit];
+  }
+
+  /** The place of a moment of the group. @param {number} seconds */
+  at(seconds) {
+    return this.shown.x.at((seconds - this.epoch) / this.unit);
+  }
+
   /** Reads the numbers on first need; where they cannot be read, the static drawing stays. */
   load() {
     if (this.series.length || this.broken) return !this.broken;
@@ -136,7 +148,7 @@ class Plot {
     this.whole = { x: aired(union(this.series.map(series => series.span)), false), y: aired(values, y.log) };
     this.flat = !time && this.series.some(series => map || !series.sorted || series.kind.mark === "points");
     // Refuses what has no date.
-    this.whole.x.forEach(place => utc((time?.epoch_s ?? 0) + (time ? place * this.unit : 0), 1));
+    if (time) this.seconds(this.whole.x).forEach(moment => utc(moment, 1));
     this.follow();
   }
 
@@ -170,8 +182,9 @@ class Plot {
 
   /** The scales of what is shown. */
   measure() {
-    const { spec: { x, y, map, time }, group, unit, whole } = this;
-    let across = group.across ? times(group.across, 1 / unit) : whole.x;
+    const { spec: { x, y, map, time }, group, whole, epoch, unit } = this;
+    const own = (/** @type {Span} */ [from, to]) => times([from - epoch, to - epoch], 1 / unit);
+    let across = group.across ? own(group.across) : whole.x;
     const seen = union(this.series.map(one => one.seen(across)));
     let up = group.up ?? (group.across && seen[0] <= seen[1] ? aired(seen, y.log) : whole.y);
     if (map) {
@@ -209,7 +222,7 @@ class Plot {
     }
     path(svg, "frame", `M${left} ${ABOVE}V${foot}H${right}`);
     const epoch = spec.time?.epoch_s;
-    const date = epoch == null ? "" : utc(epoch + x.low * this.unit, 1).slice(0, 10);
+    const date = epoch == null ? "" : utc(this.seconds([x.low, x.high])[0], 1).slice(0, 10);
     const below = date ? { ...spec.x, unit: `UTC, ${date}` } : spec.x;
     const cut = (/** @type {string} */ words) => (words.length > 44 ? `${words.slice(0, 44)}…` : words);
     text("label", 2, 13, cut(named(spec.y)));
@@ -243,20 +256,20 @@ class Plot {
 
   /** What is marked, chosen and read. */
   drawOver() {
-    const { over, group: { marked, cursor }, shown: { x, y }, chosen, unit, flat } = this;
+    const { over, group: { marked, cursor }, shown: { x, y }, chosen, flat } = this;
     /** @param {string} name @param {number[]} across @param {number[]} up */
     const box = (name, [left, right], [up, down]) =>
       path(over, name, `M${left} ${up}H${Math.max(right, left + 1)}V${down}H${left}z`);
     const inside = (/** @type {number} */ place) => between(place, [x.start, x.end]);
     over.replaceChildren();
     this.readout.replaceChildren();
-    if (marked) box("marked", marked.map(value => inside(x.at(value / unit))), [ABOVE, y.start]);
+    if (marked) box("marked", marked.map(moment => inside(this.at(moment))), [ABOVE, y.start]);
     const [one, other] = chosen ?? [];
     if (chosen) {
       const sides = [one[0], other[0]].map(inside).sort((a, b) => a - b);
       box("chosen", sides, flat ? [one[1], other[1]] : [ABOVE, y.start]);
     }
-    const place = cursor ? x.at(cursor.at / unit) : NaN;
+    const place = cursor ? this.at(cursor.at) : NaN;
     if (!cursor || inside(place) !== place) return;
     path(over, "cross", `M${place} ${ABOVE}V${y.start}`);
     if (cursor.plot !== this || chosen) return;
@@ -296,7 +309,7 @@ class Plot {
 
   /** @param {Span} across @param {Span} up */
   show(across, up) {
-    this.group.show(times(across, this.unit), this.flat ? up : null);
+    this.group.show(this.seconds(across), this.flat ? up : null);
   }
 
   reset() {
@@ -309,8 +322,8 @@ class Plot {
   /** Puts the cursor at a place. @param {Span | null} place */
   point(place) {
     const { x } = this.shown;
-    this.group.cursor = place
-      && { plot: this, at: x.steps(between(place[0], [x.start, x.end])) * this.unit, height: place[1] };
+    const [at] = place ? this.seconds(times([1, 1], x.steps(between(place[0], [x.start, x.end])))) : [NaN];
+    this.group.cursor = place && { plot: this, at, height: place[1] };
     this.group.plots.filter(plot => plot.shown).forEach(plot => plot.ask(false));
   }
 
@@ -383,12 +396,12 @@ class Plot {
   /** @param {KeyboardEvent} event */
   key(event) {
     if (event.target !== this.svg || event.ctrlKey || event.metaKey || event.altKey || !this.ready()) return;
-    const { shown: { x, y }, group: { cursor }, unit } = this;
+    const { shown: { x, y }, group: { cursor } } = this;
     const middle = /** @type {Span} */ ([(x.start + x.end) / 2, (y.start + y.end) / 2]);
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     const factor = { "+": 1 / 1.5, "=": 1 / 1.5, "-": 1.5, "−": 1.5, _: 1.5 }[event.key];
     if (step && event.shiftKey) {
-      const [at, height] = cursor ? [x.at(cursor.at / unit), cursor.height] : middle;
+      const [at, height] = cursor ? [this.at(cursor.at), cursor.height] : middle;
       this.point([at + 4 * step[0], height + 4 * step[1]]);
     } else if (step && this.zoomed() && (step[0] || this.flat)) {
       this.show(moved(x, 34 * step[0], 0), moved(y, 20 * step[1], 0));
@@ -565,6 +578,5 @@ document.addEventListener("click", event => {
   const room = Math.max((to - from) / 4, rows);
   group.marked = [from, to];
   group.show([from - room, to + room]);
-  group.plots[0].figure.scrollIntoView();
 });
 addEventListener("beforeprint", () => plots.filter(plot => plot.stale).forEach(plot => plot.update()));

@@ -4,7 +4,7 @@ use crate::page::words::{counted, key};
 use crate::page::{Cell, Place};
 use common::Recording;
 use estimate::cadence::Cadence;
-use estimate::events::{Search, Shape};
+use estimate::events::{MEMORY, Search, Shape};
 use estimate::spectrum::welch;
 use minijinja::{Value, context};
 use std::ops::Range;
@@ -20,8 +20,7 @@ const SEGMENT: usize = 512;
 const GAP: f64 = 1.5;
 /// Rows about an event in which another is the same.
 const NEAR: usize = 10;
-/// Rows over which the filter answers to an event, and the share of its size from which another one is more than that.
-const MEMORY: usize = 256;
+/// Share of the ratio of an event from which another one in the memory of the filter is more than its echo.
 const ECHO: f64 = 0.3;
 /// So many of a kind are listed, the largest.
 const MOST: usize = 12;
@@ -57,16 +56,19 @@ fn between(gaps: &[usize], rows: usize) -> Vec<Range<usize>> {
     starts.zip(ends).map(|(from, to)| from..to).collect()
 }
 
-/// Rows of the table of gaps, steps and spikes.
-pub fn of(recording: &Recording) -> Vec<Value> {
-    let Some(time) = recording.column("time_s") else { return Vec::new() };
-    let Some((usual_s, gaps)) = gaps(time) else { return Vec::new() };
+/// How many gaps there are, and the rows of the table of gaps, steps and spikes.
+pub fn of(recording: &Recording) -> (usize, Vec<Value>) {
+    let time = recording.column("time_s").unwrap_or_default();
+    let Some((usual_s, gaps)) = gaps(time) else { return (0, Vec::new()) };
     let segments = between(&gaps, time.len());
     let interval = |row: usize| time[row] - time[row - 1];
     let row = |what: String, size: String, time_s: [f64; 2]| {
         let place = Cell::Placed(what, Place::new(&recording.id, time_s));
-        context! { recording => recording.id, what => Value::from_object(place), size, at_s => time_s[0] }
+        let moment = recording.start().and_then(|start| start.after(time_s[0]).text());
+        let at = moment.unwrap_or_else(|| format!("{} s", number::bare(time_s[0])));
+        context! { recording => recording.id, what => Value::from_object(place), size, at }
     };
+    let count = gaps.len();
     let mut longest = gaps;
     longest.sort_by(|a, b| interval(*b).total_cmp(&interval(*a)));
     let gaps = longest.into_iter().take(MOST).map(|after| {
@@ -90,7 +92,7 @@ pub fn of(recording: &Recording) -> Vec<Value> {
         let size = format!("{} {unit}", number::significant(event.size, 3));
         row(format!("{shape} of {column}"), size, [time[event.row]; 2])
     });
-    gaps.chain(events).collect()
+    (count, gaps.chain(events).collect())
 }
 
 /// The steps and spikes of a column within some rows, the largest of neighbours.

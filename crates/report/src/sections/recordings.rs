@@ -67,8 +67,9 @@ pub fn unread(all: &mut Plots, document: &Document) -> Value {
     });
     let drawn = || unread.iter().take(DRAWN);
     all.insert("recordings".into(), drawn().flat_map(|one| plots(one)).collect());
-    let events: Vec<Value> = drawn().flat_map(|one| events::of(one)).collect();
-    context! { count => unread.len(), drawn => unread.len().min(DRAWN), events }
+    let (gaps, events): (Vec<usize>, Vec<Vec<Value>>) = drawn().map(|one| events::of(one)).unzip();
+    let gaps: usize = gaps.into_iter().sum();
+    context! { count => unread.len(), drawn => unread.len().min(DRAWN), gaps, events => events.concat() }
 }
 
 /// Whether a stage's result speaks of recordings of this procedure.

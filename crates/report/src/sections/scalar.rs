@@ -19,7 +19,8 @@ pub fn plots(plots: &mut Plots, calibration: &Calibration) {
     plots.insert("scalar".into(), of_directions.chain(of_parts).collect());
 }
 
-/// Directions of the field on one side of the plane of x and y, in Lambert's equal-area projection about ±z.
+/// The residual on the directions of the field on one side of the plane of x and y, in Lambert's equal-area
+/// projection about ±z.
 fn hemisphere(directions: &FieldDirections, side: f64) -> Plot {
     let name = if side > 0.0 { "above" } else { "below" };
     let place = |unit: &[f64; 3]| {
@@ -27,17 +28,25 @@ fn hemisphere(directions: &FieldDirections, side: f64) -> Plot {
         let radius = (2.0 * (1.0 - unit[2].abs())).max(0.0).sqrt();
         if across > 0.0 { (radius * unit[0] / across, radius * unit[1] / across) } else { (0.0, 0.0) }
     };
-    let mine = directions.unit.iter().filter(|unit| unit[2] * side >= 0.0);
-    let (x, y): (Vec<f64>, Vec<f64>) = mine.map(place).unzip();
+    let rms = estimate::stats::rms(&directions.residual_nt);
+    let mine =
+        || directions.unit.iter().zip(&directions.residual_nt).filter(|(unit, _)| unit[2] * side >= 0.0);
+    let level = |name: &str, style: usize, holds: fn(f64) -> bool| {
+        let own = mine().filter(|(_, residual)| holds(**residual / rms));
+        let (x, y): (Vec<f64>, Vec<f64>) = own.map(|(unit, _)| place(unit)).unzip();
+        Series::points(name, style, &x, &y)
+    };
     let edge: Vec<f64> = (0..=72).map(|k| f64::from(k) * 5.0_f64.to_radians()).collect();
     let circle =
         |of: fn(f64) -> f64| edge.iter().map(|angle| 2.0_f64.sqrt() * of(*angle)).collect::<Vec<f64>>();
     let [right, up] = [f64::cos, f64::sin].map(circle);
-    Plot::new(format!("scalar-directions-{name}"), format!("Directions of the field in SEN, z {name}"))
+    Plot::new(format!("scalar-directions-{name}"), format!("Residual on the directions of the field in SEN, z {name}"))
         .axes("x", "y")
         .map()
-        .note("Lambert's equal-area projection: the pole is in the middle, the plane of x and y lies at √2.")
-        .with(Series::points("field", 0, &x, &y))
+        .note("Lambert's equal-area projection: the pole is in the middle, the plane of x and y lies at √2. An error of directions or sensitivities shows as regions of one sign.")
+        .with(level("|B| − F within its rms", 3, |of_rms| of_rms.abs() <= 1.0))
+        .with(level("above", 1, |of_rms| of_rms > 1.0))
+        .with(level("below", 0, |of_rms| of_rms < -1.0))
         .with(Series::new("plane of x and y", Mark::Line, 4, &right, &up))
 }
 

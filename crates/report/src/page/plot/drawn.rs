@@ -42,12 +42,19 @@ pub struct Timeline {
     /// Id of the recording.
     #[serde(skip)]
     pub recording: String,
-    /// Plots of one group move together: those of a recording, and of others that began at the same time.
+    /// Plots of one group move together: those of a recording, and of others that overlap with it.
     pub group: String,
     /// Length of a step of 1 along x, s.
     pub unit_s: f64,
     /// Unix time of x = 0, s, where it is known.
     pub epoch_s: Option<f64>,
+}
+
+impl Timeline {
+    /// Unix time of a recording's time where it is known, else that time, s.
+    pub fn moment(&self, time_s: f64) -> f64 {
+        self.epoch_s.unwrap_or_default() + time_s
+    }
 }
 
 /// An interval along x.
