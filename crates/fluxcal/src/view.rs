@@ -101,12 +101,17 @@ fn lasting(name: &str) -> Result<PathBuf, std::io::Error> {
 /// A document of what the files hold, in a folder that is thrown away.
 fn readings(named: &[&PathBuf], folder: &Path, left_out: &mut Vec<String>) -> Result<PathBuf, String> {
     let mut all: Option<PathBuf> = None;
+    let mut names: Vec<String> = Vec::new();
     for (from_folder, files) in series(named)? {
         if let Some(document) = files.iter().find(|file| is_document(file)) {
             let words = "is a document; view one document alone, or files of readings";
             return Err(format!("{} {words}", document.display()));
         }
-        let name = stem(&files[0]);
+        let mut name = stem(&files[0]);
+        if names.contains(&name) {
+            name = format!("{name}-{}", names.len() + 1);
+        }
+        names.push(name.clone());
         let written = folder.join(format!("{name}.series.json"));
         match ingested(&files, &name, all.as_deref(), &written) {
             Ok(words) => {

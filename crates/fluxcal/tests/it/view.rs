@@ -21,12 +21,15 @@ fn files_of_one_series_are_one_recording() {
     let folder = tempfile::tempdir().expect("a folder");
     let [one, two] = ["a", "b"].map(|part| fixture(&format!("ingest/flx20240310{part}.min")));
     let other = fixture("ingest/imagcdf.cdf");
-    let (run, page) = view(folder.path(), &[&one, &two, &other]);
+    let elsewhere = folder.path().join("flx20240310a.min");
+    fs::copy(&one, &elsewhere).expect("copied");
+    let (run, page) = view(folder.path(), &[&one, &two, &other, &elsewhere]);
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert_eq!(run.stdout.trim(), folder.path().join("page.html").to_string_lossy());
     // The letters differ, and so two of them are series of their own.
-    for id in ["flx20240310a", "flx20240310b", "imagcdf"] {
-        assert!(page.contains(&format!("\"group\":\"{id}\"")), "{id}");
+    // The last is of the same name, in another folder.
+    for id in ["flx20240310a", "flx20240310b", "imagcdf", "flx20240310a-4"] {
+        assert!(page.contains(&format!("{id}: ")), "{id}");
     }
     assert!(run.stderr.contains("open in a browser:"), "{}", run.stderr);
 }
@@ -47,7 +50,10 @@ fn a_folder_of_days_with_notes_and_a_gap() {
     assert_eq!(run.code, 0, "{}", run.stderr);
     assert!(run.stderr.contains("left out") && run.stderr.contains("README.md"), "{}", run.stderr);
     assert!(page.contains("<h1>days</h1>"));
-    assert!(page.contains("data-group=\"day1\" data-from=\"99.0\" data-to=\"200.0\">gap</a>"), "{page}");
+    assert!(
+        page.contains("data-group=\"day1\" data-from=\"1700000099.0\" data-to=\"1700000200.0\">gap</a>"),
+        "{page}"
+    );
 }
 
 #[test]
