@@ -304,7 +304,7 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     if outcome.verdict == Verdict::Ambiguous && named {
         let likeliest: Vec<&str> = outcome.found.iter().map(|found| found.name.as_str()).collect();
         let note = "of names that cannot be told apart --empirical adopts the likeliest";
-        outcome.notes.push(format!("note: {note}: {}", likeliest.join(", ")));
+        outcome.notes.push(format!("{note}: {}", likeliest.join(", ")));
     }
     if named || !empirical.is_empty() {
         outcome.parameters = adopt::adopt(document, &model, &outcome)?;
