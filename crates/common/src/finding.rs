@@ -47,7 +47,7 @@ codes! {
         Trend, AnnualTerm, FollowsTemperature, AtReferenceTemperatures, Departure, CrossField,
         SquaredCrossField, PriorContradicted, OrientationContradicted, KnownCoilsContradicted, Swapped,
         SensorReversed, CoilReversed, ModelSubtracted, PhaseLag, NoOrientation, NominalSensitivity,
-        ReferenceOffset, NotConstant, OffsetsWander, MagnitudeAssumed, LevelOnly, UnequalSensitivities,
+        ReferenceOffset, NotConstant, OffsetsWander, MagnitudeAssumed, CalibrationAssumed, LevelOnly, UnequalSensitivities,
         NotOrthogonal, LeftHanded, Rotated, AttitudeInverted, ShortWindows, CorrelationNotEstimated, Joined,
         TimesInterpolated, Filtered, Contribution, ClockOffset, ResidualIncreased, RegressionPredictsBetter,
         DriftOrNoise, TimesJump, ClockNotConstant, AveragedReadings, DelayDependsOnPeriod, TimesShifted,

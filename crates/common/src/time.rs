@@ -1,5 +1,6 @@
 //! The clock of recordings: RFC 3339 in documents, seconds since 1970 in memory.
 
+use jiff::civil::date;
 use jiff::fmt::temporal::Pieces;
 use jiff::tz::{Offset, TimeZone};
 use jiff::{SignedDuration, Timestamp};
@@ -26,6 +27,15 @@ impl Start {
     /// The same clock some seconds later.
     pub fn after(self, seconds: f64) -> Self {
         Self { unix_s: self.unix_s + seconds, ..self }
+    }
+
+    /// The year with its part that is over, UTC.
+    pub fn year(self) -> Option<f64> {
+        let moment = Timestamp::from_second(self.unix_s.floor() as i64).ok()?;
+        let year = moment.to_zoned(TimeZone::UTC).year();
+        let begins = |year: i16| Some(date(year, 1, 1).to_zoned(TimeZone::UTC).ok()?.timestamp().as_second());
+        let (first, next) = (begins(year)? as f64, begins(year.checked_add(1)?)? as f64);
+        Some(f64::from(year) + (self.unix_s - first) / (next - first))
     }
 
     /// Seconds since 1970 on the local clock.

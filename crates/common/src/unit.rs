@@ -1,7 +1,7 @@
 //! The units that names of columns and keys end in.
 
 /// Endings, with the units for people.
-const UNITS: [(&str, &str); 17] = [
+const UNITS: [(&str, &str); 18] = [
     ("s", "s"),
     ("a", "A"),
     ("am2", "A m²"),
@@ -19,6 +19,7 @@ const UNITS: [(&str, &str); 17] = [
     ("ohm", "Ω"),
     ("w", "W"),
     ("counts", "counts"),
+    ("rpm", "rpm"),
 ];
 
 /// The unit of an ending.

@@ -6,6 +6,7 @@ use common::{Document, Recording};
 use correct::{Frame, Request, Station};
 use ingest::{Mapping, Readings};
 use program::pipe::{self, Input, Io, Program, StageIo};
+use program::place::KnownMagnitude;
 use program::{manual, progress};
 use std::fs::File;
 use std::io::Read;
@@ -33,7 +34,7 @@ struct Cli {
     frame: Frame,
     /// Correct a table with this document's calibration; DOCUMENT is then a file of readings: .csv, .ndjson or .parquet with the document's
     /// names of columns, IAGA-2002, CDF, or with --map whatever `ingest` reads
-    #[arg(long, value_name = "DOCUMENT")]
+    #[arg(long, value_name = "DOCUMENT", conflicts_with_all = ["magnitude_nt", "place"])]
     calibration: Option<PathBuf>,
     /// The table was recorded under the conditions of this recording of the document
     #[arg(long, value_name = "ID", requires = "calibration")]
@@ -53,6 +54,8 @@ struct Cli {
     /// Time at which time_s is zero (RFC 3339), if the recording does not state it
     #[arg(long, value_name = "MOMENT", requires = "iaga")]
     start: Option<String>,
+    #[command(flatten)]
+    magnitude: KnownMagnitude,
 }
 
 const FORMATS: [&str; 3] = ["csv", "ndjson", "parquet"];
@@ -79,13 +82,17 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     if let Some(calibration) = &cli.calibration {
         return table(cli, calibration, frame);
     }
-    let arguments = if frame == Frame::Geo { vec!["--frame=geo".to_string()] } else { Vec::new() };
+    let frame_argument = (frame == Frame::Geo).then(|| "--frame=geo".to_string());
+    let arguments = frame_argument.into_iter().chain(cli.magnitude.arguments()).collect();
     pipe::stage_or(
         PROGRAM,
         &StageIo::from(&cli.io),
         arguments,
         with_calibration,
-        |document| correct::run(document, frame),
+        |mut document| {
+            cli.magnitude.state(&mut document, |_| true)?;
+            correct::run(document, frame)
+        },
         |document| correct::summary(document, frame),
     )?;
     Ok(())

@@ -1,7 +1,7 @@
 //! What people are told.
 
-use common::number::{counted, figures, plural};
-use common::{Axis, Document, Recording};
+use common::number::{counted, figures, plural, significant, uncertain};
+use common::{Axis, Document, Quantity, Recording};
 
 use crate::flags::MEANINGS;
 use crate::{Corrected, Frame};
@@ -84,7 +84,28 @@ pub fn summary(document: &Document, frame: Frame) -> String {
         tally.count(&flags, &[column(3), column(4), column(5)]);
     }
     let head = format!("correct: {}, ", counted(corrected.len(), "recording"));
-    text(&head, &tally, frame, notes(document, frame, corrected.iter().copied()))
+    let magnitudes = corrected.iter().filter_map(|recording| magnitude(recording, &names));
+    let notes = magnitudes.chain(notes(document, frame, corrected.iter().copied())).collect();
+    text(&head, &tally, frame, notes)
+}
+
+/// The usual length of the corrected field beside the magnitude that is stated.
+fn magnitude(recording: &Recording, names: &[String]) -> Option<String> {
+    let stated = recording.conditions.extra.get("magnitude_nt")?;
+    let stated: Quantity = serde_json::from_value(stated.clone()).ok()?;
+    let [x, y, z] = [0, 1, 2].map(|k| recording.column(&names[k]).unwrap_or_default());
+    let lengths = x.iter().zip(y).zip(z).map(|((x, y), z)| x.hypot(*y).hypot(*z));
+    let mut lengths: Vec<f64> = lengths.filter(|length| length.is_finite()).collect();
+    let middle = lengths.len().checked_sub(1)? / 2;
+    let (_, median, _) = lengths.select_nth_unstable_by(middle, f64::total_cmp);
+    let source = recording.conditions.extra.get("field_model").and_then(serde_json::Value::as_str);
+    Some(format!(
+        "\"{}\": |B| is {} nT in the median; {} nT by {}",
+        recording.id,
+        significant(*median, 6),
+        stated.std().map_or(significant(stated.value(), 6), |std| uncertain(stated.value(), std)),
+        source.unwrap_or("what is stated")
+    ))
 }
 
 /// What is told of a corrected table.

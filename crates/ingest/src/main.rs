@@ -5,6 +5,7 @@ use clap::{Args, Parser, Subcommand};
 use common::{Document, Error as Fault};
 use ingest::{Keep, Mapping, Options, Readings};
 use program::pipe::{self, Input, Program};
+use program::place::KnownMagnitude;
 use program::{apart, beside, manual, number};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -90,6 +91,8 @@ struct IngestArgs {
     /// Add this to D of IAGA-2002, minutes of arc, instead of the DECBAS of the file
     #[arg(long, value_name = "ARCMIN", value_parser = number::finite)]
     declination_base_arcmin: Option<f64>,
+    #[command(flatten)]
+    magnitude: KnownMagnitude,
     /// Write the document to this file; absent or `-`: standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -158,6 +161,8 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
         readings,
     };
     let mut ingested = ingest::run(document, &args.files, &options)?;
+    let added_id = ingested.document.recordings.last().map(|recording| recording.id.clone());
+    args.magnitude.state(&mut ingested.document, |recording| Some(&recording.id) == added_id.as_ref())?;
     ingested.document.history.push(PROGRAM.entry(arguments, added));
     let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
     let table = ingested.table.as_ref().map(|table| folder.join(&table.path));
@@ -196,6 +201,7 @@ fn arguments(args: &IngestArgs) -> Vec<String> {
             said.push(name.into());
         }
     }
+    said.extend(args.magnitude.arguments());
     said.extend(args.declination_base_arcmin.map(|base| format!("--declination-base-arcmin={base}")));
     said
 }

@@ -15,7 +15,7 @@ const RADIAN_ARCSEC: f64 = 206_264.806_247_096_36;
 /// Units of files: the ending of the document's columns for what they measure, size and zero in that kind's
 /// base unit (the one of size one; for angles arcseconds, whose ending `ending_for` tells), and how people
 /// write it. Letters count: mT is not MT, and G (gauss) not g.
-const UNITS: [(&str, f64, f64, &str); 43] = [
+const UNITS: [(&str, f64, f64, &str); 44] = [
     ("nt", 1.0, 0.0, "nT nt gamma"),
     ("nt", 1e9, 0.0, "T"),
     ("nt", 1e6, 0.0, "mT"),
@@ -59,11 +59,12 @@ const UNITS: [(&str, f64, f64, &str); 43] = [
     ("percent", 1.0, 0.0, "percent % pct"),
     ("counts", 1.0, 0.0, "counts"),
     ("am2", 1.0, 0.0, "am2"),
+    ("rpm", 1.0, 0.0, "rpm RPM r/min"),
 ];
 
 /// What a mapping may say, for messages.
 pub const KNOWN: &str = "T, mT, uT (µT), nT, pT, G, mG, counts (with \"scale\"), V, mV, A, mA, C, K, F, deg, arcmin, arcsec, rad, \
-                         mrad, m, cm, mm, Pa, hPa, mbar, Hz, s, ms, ohm, W, A m², percent";
+                         mrad, m, cm, mm, Pa, hPa, mbar, Hz, s, ms, ohm, W, A m², rpm, percent";
 
 /// A unit without blanks, µ, Ω and A m² in one spelling.
 fn plain(name: &str) -> String {

@@ -19,6 +19,7 @@ pub mod number;
 mod outline;
 pub mod pieces;
 pub mod pipe;
+pub mod place;
 pub mod progress;
 mod readings;
 mod sink;

@@ -24,6 +24,7 @@
 //! - The magnitude has no rotation of the sensors, so `physics` does not predict it: the residual is that of
 //!   the corrected readings, which is exact for the basic chain.
 
+mod assumed;
 mod body;
 mod checks;
 mod design;
@@ -50,13 +51,14 @@ mod vector;
 mod weakest;
 mod words;
 
+pub use assumed::Assumed;
 pub use common::Error;
 pub use options::{FitOptions, Options};
 pub use read::Source;
 pub use stream::Columns;
 pub use words::summary;
 
-use common::{Code, Document};
+use common::{Code, Document, Finding};
 use joined::Gathered;
 use linear::Linear;
 use model::NINE;
@@ -70,13 +72,22 @@ use solved::Solved;
 ///
 /// No recording that can be used; rotations that do not determine the calibration, in words; a second run
 /// with --known on recordings from which what is known was found.
-pub fn run(document: Document, options: &Options) -> Result<Document, Error> {
+pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
+    options.magnitude.state(&mut document, read::is_free)?;
+    let assumed = options.assumed.state(&mut document)?;
+    let fit = FitOptions { known: options.fit.known || assumed.is_some(), ..options.fit.clone() };
     let gathered = joined::gathered(&document)?;
-    adopted(document, gathered, options).map_err(words::failed)
+    let told =
+        assumed.into_iter().chain(gathered.iter().flat_map(|gathered| gathered.told.clone())).collect();
+    adopted(document, gathered, told, &Options { fit, ..options.clone() }).map_err(words::failed)
 }
 
-fn adopted(mut document: Document, gathered: Option<Gathered>, options: &Options) -> Result<Document, Error> {
-    let told = gathered.as_ref().map_or(Vec::new(), |gathered| gathered.told.clone());
+fn adopted(
+    mut document: Document,
+    gathered: Option<Gathered>,
+    told: Vec<Finding>,
+    options: &Options,
+) -> Result<Document, Error> {
     let read = gathered.as_ref().map_or(&document, |gathered| &gathered.document);
     let (mut solved, series) = match calibrated(read, options) {
         Ok(solved) => solved,

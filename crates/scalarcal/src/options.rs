@@ -1,8 +1,10 @@
 //! What is asked of scalarcal.
 
+use crate::assumed::Assumed;
 use clap::Args;
 use physics::Kind;
 use program::number;
+use program::place::KnownMagnitude;
 
 /// What is asked of rows at hand.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -14,8 +16,14 @@ pub struct Options {
     #[arg(long)]
     pub robust: bool,
     /// Fit one constant magnitude of the field in recordings without a reference
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["magnitude_nt", "place"])]
     pub constant_magnitude: bool,
+    /// What is assumed of the sensors.
+    #[command(flatten)]
+    pub assumed: Assumed,
+    /// A magnitude that was not measured.
+    #[command(flatten)]
+    pub magnitude: KnownMagnitude,
     /// Compare the readings with the known field (ambient_*_nt) rotated by the attitude: determines the directions of the sensors fully
     #[arg(long)]
     pub vector: bool,
@@ -50,6 +58,17 @@ impl Options {
         ];
         let flags = flags.iter().filter(|(set, _)| *set).map(|(_, name)| name.to_string());
         let with = self.with.iter().map(|kind| format!("--with={}", kind.name()));
-        flags.chain(with).chain(self.fit.windows_s.map(|length| format!("--windows={length}"))).collect()
+        let Assumed { scales_within, angles_within, only } = &self.assumed;
+        let limits = [("scales", scales_within), ("angles", angles_within)];
+        let limits = limits
+            .into_iter()
+            .filter_map(|(name, limit)| Some(format!("--{name}-within={}", limit.as_ref()?)));
+        let assumed = limits.chain(only.iter().map(|only| format!("--only={only}")));
+        let magnitude = assumed.chain(self.magnitude.arguments());
+        flags
+            .chain(magnitude)
+            .chain(with)
+            .chain(self.fit.windows_s.map(|length| format!("--windows={length}")))
+            .collect()
     }
 }

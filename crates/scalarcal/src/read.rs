@@ -117,7 +117,7 @@ fn nothing(document: &Document, without: Option<(usize, &Recording)>) -> Error {
         return Error::document("recordings", found, expected);
     };
     let expected = format!(
-        "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), `conditions.{MAGNITUDE}`, or --constant-magnitude if the field was constant"
+        "`reference_nt` (a scalar magnetometer; `series rename` gives a column this name), `ambient_x_nt`, … (a model of the field), --magnitude-nt (`conditions.{MAGNITUDE}`) if it is known, --place LAT,LON,HEIGHT for that of a model, or --constant-magnitude if the field was constant"
     );
     let (id, beside) = (&recording.id, names(recording, "sensor_"));
     let found =
@@ -133,7 +133,7 @@ fn names(recording: &Recording, but: &str) -> String {
 }
 
 /// Whether the field is that of the surroundings, and not made by coils.
-fn is_free(recording: &Recording) -> bool {
+pub fn is_free(recording: &Recording) -> bool {
     let driven = |name: &String| name.starts_with("coil_") && !name.ends_with("_c");
     recording.procedure == procedure::FREE_RUN && !recording.columns.keys().any(driven)
 }

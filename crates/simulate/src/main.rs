@@ -2,9 +2,11 @@
 
 use clap::{Args, Parser, Subcommand};
 use common::number::counted;
+use common::time::Start;
 use common::{Document, Error, Recording};
 use program::beside::{self, INLINE_ROWS, Table};
 use program::pipe::{self, Input, Io, Program, Sink, StageIo};
+use program::place::AtPlace;
 use program::{apart, manual, progress};
 use rayon::prelude::*;
 use simulate::{Campaign, Case, Layout, Replayed, RunSheet, Variation};
@@ -67,6 +69,8 @@ struct CampaignArgs {
     /// Write recordings of more than 10 000 rows beside the document, as Parquet
     #[arg(long, conflicts_with = "run_sheet")]
     beside: bool,
+    #[command(flatten)]
+    at: AtPlace,
 }
 
 #[derive(Args)]
@@ -141,12 +145,16 @@ fn main() -> ExitCode {
 }
 
 fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
-    let CampaignArgs { io, seed, truth, run_sheet, beside } = args;
+    let CampaignArgs { io, seed, truth, run_sheet, beside, at } = args;
     separate(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
     let mut plan = simulate::Plan::parse(&input.text).map_err(located)?;
     plan.seed = seed.unwrap_or(plan.seed);
+    let start = plan.start.as_deref().and_then(Start::parse);
+    if let Some((field_nt, _)) = at.field_nt(start, "the plan").map_err(located)? {
+        plan.truth.outside.get_or_insert_default().main_field_nt = field_nt;
+    }
     if *run_sheet {
         let RunSheet { csv, steps, length_s, work_s } = simulate::run_sheet(&plan).map_err(located)?;
         pipe::write(io.output.as_deref(), &csv)?;
@@ -156,7 +164,8 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
         return Ok(());
     }
     let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
-    let arguments = vec!["campaign".into(), format!("--seed={}", plan.seed)];
+    let arguments = ["campaign".into(), format!("--seed={}", plan.seed)];
+    let arguments = arguments.into_iter().chain(at.arguments()).collect();
     document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
     let rows: usize = document.recordings.iter().map(Recording::rows).sum();
     let long = document.recordings.iter_mut().filter(|one| *beside && one.rows() > INLINE_ROWS);

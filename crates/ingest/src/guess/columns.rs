@@ -12,6 +12,8 @@ use crate::units;
 /// What stands around x, y and z in names of field readings, in letters of lower case, where anything does.
 const STEMS: &str = "b m h mag magn field bfield magfield magnetic magneticfield magnetometer flux fluxgate fgm fg \
                      rm sensor";
+/// What names the field of another instrument, before or behind such a stem.
+const OTHERS: &str = "ref reference base basestation std standard remote obs observatory station";
 /// Names of a scalar magnetometer's readings.
 const SCALARS: &str = "f scalar fscalar totalfield proton pmag overhauser";
 /// Beginnings of names that the document knows, up to their underscore.
@@ -50,7 +52,8 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
             }
         }
     }
-    let by_name = vector(&told);
+    let by_name = vector(&told, |stem| stem.is_empty() || is_among(stem, STEMS));
+    let other = vector(&told, is_other).filter(|_| quantity != "reference");
     let by_content = if by_name.is_none() { vector_by_content(&told, sample) } else { None };
     let (vector, why) = match by_content {
         Some((vector, unit, why)) => (Some(vector), Some((unit, why))),
@@ -65,11 +68,10 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
     for (index, one) in told.iter().enumerate() {
         let mut mapping =
             ColumnMapping::plain(sample.from[one.column].clone(), String::new(), one.unit.clone());
-        let axis = vector.as_ref().and_then(|vector| vector.iter().position(|found| *found == index));
+        let axis = vector.and_then(|all| place(all, index));
         let named = is_known(&sample.names[one.column]);
         match axis {
             Some(axis) if !named => {
-                let axis = ["x", "y", "z"][axis];
                 if let Some((unit, why)) = &why {
                     mapping.to = format!("{quantity}_{axis}_nt");
                     mapping.unit = Some(unit.to_string());
@@ -78,6 +80,14 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
                     let all = vector.unwrap_or_default().map(|index| sample.numbers(told[index].column));
                     field(&mut mapping, axis, quantity, &all);
                 }
+            }
+            None if let Some((axis, all)) = other.and_then(|all| Some((place(all, index)?, all)))
+                && !named =>
+            {
+                field(&mut mapping, axis, "reference", &all.map(|index| sample.numbers(told[index].column)));
+                let question = "taken as the reference beside the sensors, by the name; for another instrument write `outside_x_nt`, … or `third_x_nt`, …";
+                let unit = mapping.note.take();
+                mapping.note = Some(unit.map_or(question.into(), |unit| format!("{question}; {unit}")));
             }
             _ => scalar_or_other(&mut mapping, one, sample, thermal),
         }
@@ -148,8 +158,21 @@ fn vector_by_content(told: &[Told], sample: &Sample) -> Option<([usize; 3], &'st
     })
 }
 
-/// Three columns that are x, y and z of one field: the first such three.
-fn vector(told: &[Told]) -> Option<[usize; 3]> {
+/// The axis that a column is of a vector.
+fn place(vector: [usize; 3], index: usize) -> Option<&'static str> {
+    vector.iter().position(|found| *found == index).map(|axis| ["x", "y", "z"][axis])
+}
+
+/// Whether what stands around x, y and z names another instrument: `ref`, `base_mag`, `b_obs`.
+fn is_other(stem: &str) -> bool {
+    OTHERS.split(' ').any(|other| {
+        let rest = stem.strip_prefix(other).or_else(|| stem.strip_suffix(other));
+        rest.is_some_and(|rest| rest.is_empty() || is_among(rest, STEMS))
+    })
+}
+
+/// Three columns that are x, y and z of one field, with such a stem around: the first such three.
+fn vector(told: &[Told], is_stem: impl Fn(&str) -> bool) -> Option<[usize; 3]> {
     let of_field = |unit: &Option<String>| {
         unit.as_deref().is_none_or(|unit| matches!(units::ending_for(unit), Some("nt" | "v")))
     };
@@ -161,7 +184,7 @@ fn vector(told: &[Told]) -> Option<[usize; 3]> {
         // x1, bx2: the axis before a number.
         let without = without.or_else(|| head.strip_suffix(axis).filter(|_| !digits_end.is_empty()))?;
         let stem = without.trim_end_matches(|letter: char| letter.is_ascii_digit());
-        (stem.is_empty() || is_among(stem, STEMS)).then(|| (stem.to_string(), digits_end.to_string()))
+        is_stem(stem).then(|| (stem.to_string(), digits_end.to_string()))
     };
     told.iter().enumerate().find_map(|(x, first)| {
         let key = stem(first, 'x').filter(|_| of_field(&first.unit))?;
@@ -195,7 +218,7 @@ fn scalar_or_other(mapping: &mut ColumnMapping, told: &Told, sample: &Sample, th
         }
         return;
     }
-    if is_known(name) && is_name(name) {
+    if is_known(name) && is_name(name) && name == name.to_lowercase() {
         mapping.to = name.into();
         return;
     }
@@ -314,6 +337,15 @@ mod tests {
     }
 
     #[test]
+    fn names_of_another_instrument() {
+        for (name, is) in
+            [("ref", true), ("basemag", true), ("bobs", true), ("mag", false), ("refuse", false)]
+        {
+            assert_eq!(is_other(name), is, "{name}");
+        }
+    }
+
+    #[test]
     fn three_axes_of_one_field() {
         for (names, found) in [
             ("accel_x accel_y accel_z mag_x mag_y mag_z", Some([3, 4, 5])),
@@ -324,7 +356,9 @@ mod tests {
         ] {
             let told = names.split(' ').enumerate();
             let told = told.map(|(column, name)| Told { column, base: name.to_string(), unit: None });
-            assert_eq!(vector(&told.collect::<Vec<_>>()), found, "{names}");
+            let told: Vec<Told> = told.collect();
+            assert_eq!(vector(&told, |stem| stem.is_empty() || is_among(stem, STEMS)), found, "{names}");
+            assert_eq!(vector(&told, is_other), None, "{names}");
         }
     }
 }

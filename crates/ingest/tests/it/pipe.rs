@@ -147,6 +147,47 @@ fn a_guess_is_saved_edited_and_used() {
     assert!(open.stderr.contains("ingest guess"), "{open:?}");
 }
 
+#[test]
+fn a_second_vector_is_asked_about_and_what_runs_beside_keeps_its_unit() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let titles = "time,ref_x_nT,ref_y_nT,ref_z_nT,mag_x_nT,mag_y_nT,mag_z_nT,torquer_A,torquer_x_Am2,wheel_rpm,coil_mA";
+    let row = |second: u32| {
+        format!("2024-01-01T00:00:0{second}Z,20000,100,40000,20010,110,4010{second},0.1,0.2,3000,3\n")
+    };
+    let rows: String = (0..5).map(row).collect();
+    fs::write(folder.path().join("a.csv"), format!("{titles}\n{rows}")).expect("written");
+    let guess = run_in(INGEST, folder.path(), &["guess", "a.csv"]);
+    assert!(
+        guess
+            .stderr
+            .contains("to be settled: \"ref_x_nT\", \"ref_y_nT\", \"ref_z_nT\": taken as the reference")
+    );
+    let columns = document(&guess.stdout)["columns"].as_array().expect("columns").clone();
+    let to: Vec<&str> = columns.iter().filter_map(|column| column["to"].as_str()).collect();
+    let reference = ["reference_x_nt", "reference_y_nt", "reference_z_nt"];
+    let sensor = ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt"];
+    assert_eq!(
+        to,
+        [&reference[..], &sensor, &["torquer_a", "torquer_x_am2", "wheel_rpm", "coil_a"]].concat()
+    );
+}
+
+/// The field of a place goes where none was measured, and `--place` says what it needs.
+#[test]
+fn a_place_states_the_magnitude() {
+    let file = fixture("field.csv");
+    let folder = tempfile::tempdir().expect("a folder");
+    let place = ["--place", "47.93,15.865,1087", "--date", "2022-08-10"];
+    let run = run_in(INGEST, folder.path(), &[&[file.as_str()], &place[..]].concat());
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let conditions = &document(&run.stdout)["recordings"][0]["conditions"];
+    assert_eq!(conditions["magnitude_nt"]["std"], 138.0);
+    assert_eq!(conditions["field_model"], "IGRF-14 at 47.93°, 15.865°, 1087 m in 2022.61");
+    let late = run_in(INGEST, folder.path(), &[&file, "--place", "0,0,0", "--date", "2031-01-01"]);
+    assert_eq!((late.code, late.stdout.as_str()), (2, ""));
+    assert!(late.stderr.contains("IGRF-14 holds from 1900 to 2030"), "{}", late.stderr);
+}
+
 /// Parquet from a pipe, which has no end to begin at, is read like the file.
 #[cfg(unix)]
 #[test]

@@ -4,69 +4,95 @@ use crate::page::number;
 use crate::page::plot::{Interval, Plot, Timeline};
 use crate::page::{Cell, Item, Link, Place, Section, Target};
 
+/// A plot along time.
+struct Shown {
+    time: Timeline,
+    /// Its ends as moments, s.
+    ends: [f64; 2],
+    plot: String,
+}
+
+impl Shown {
+    /// Of the same recording, or of one that overlaps in time.
+    fn is_beside(&self, other: &Self) -> bool {
+        let dated = self.time.epoch_s.is_some() && other.time.epoch_s.is_some();
+        let overlap = self.ends[0] < other.ends[1] && other.ends[0] < self.ends[1];
+        self.time.recording == other.time.recording || (dated && overlap)
+    }
+}
+
+/// What leads somewhere.
+#[derive(Default)]
+struct Ways {
+    shown: Vec<Shown>,
+    /// Effects that can be switched off, with their plots.
+    effects: Vec<(String, String)>,
+    /// Intervals that are spoken of, by their recordings, in its time.
+    marks: Vec<(String, Interval)>,
+    /// Effects that are spoken of, with the ids of the words.
+    speaking: Vec<(String, String)>,
+}
+
 /// Gives words that speak of a place an id and a link to the plot that shows it. Plots of one recording mark its
 /// intervals; plots of recordings that overlap in time become one group. `earliest` tells which of some
 /// recordings began first.
 pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<String>) {
-    let (mut shown, mut effects): (Vec<(Timeline, [f64; 2], String)>, Vec<(String, String)>) =
-        Default::default();
-    for plot in items(sections).filter_map(drawn) {
-        effects.extend(plot.toggles.iter().map(|toggle| (toggle.name.clone(), plot.id.clone())));
-        let ends = number::ends(plot.series.iter().flat_map(|series| &series.points).map(|point| point.x));
-        let (Some(time), Some(ends)) = (&mut plot.time, ends) else { continue };
-        let own = ends.map(|end| time.moment(end * time.unit_s));
-        let beside = |(known, of, _): &&(Timeline, [f64; 2], String)| {
-            known.recording == time.recording
-                || (known.epoch_s.and(time.epoch_s).is_some() && own[0] < of[1] && of[0] < own[1])
-        };
-        if let Some((known, ..)) = shown.iter().find(beside) {
-            time.group.clone_from(&known.group);
-        }
-        shown.push((time.clone(), own, plot.id.clone()));
-    }
-    let mut marks: Vec<(String, [f64; 2], Interval)> = Vec::new();
-    let mut speaking: Vec<(String, String)> = Vec::new();
-    let places = sections.iter_mut().flat_map(placed);
-    for (number, (words, place)) in places.enumerate() {
-        let id = Some(format!("place-{}", number + 1));
+    let mut ways = Ways::default();
+    items(sections).filter_map(drawn).for_each(|plot| ways.add(plot));
+    for (number, (words, place)) in sections.iter_mut().flat_map(placed).enumerate() {
+        let id = format!("place-{}", number + 1);
         place.link = match &place.of {
             Target::Section(section) => Some(Link { to: section.clone(), ..Link::default() }),
-            Target::Effect(name) => effects.iter().find(|(known, _)| known == name).map(|(_, plot)| {
-                speaking.extend(id.clone().map(|id| (name.clone(), id)));
-                Link { id, to: plot.clone(), shown: None }
-            }),
-            Target::Interval(recordings, time_s) => earliest(recordings).and_then(|recording| {
-                let shows = |(time, ..): &&(Timeline, [f64; 2], String)| time.recording == recording;
-                shown.iter().find(shows).map(|(time, _, plot)| {
-                    let name = shortened(words);
-                    let known = |(of, at, mark): &(String, [f64; 2], Interval)| {
-                        *of == recording && at == time_s && mark.name == name
-                    };
-                    if !marks.iter().any(known) {
-                        let id = id.clone().unwrap_or_default();
-                        marks.push((recording.clone(), *time_s, Interval { name, from: 0.0, to: 0.0, id }));
-                    }
-                    Link {
-                        id,
-                        to: plot.clone(),
-                        shown: Some((time.group.clone(), time_s.map(|own| time.moment(own)))),
-                    }
-                })
-            }),
+            Target::Effect(name) => ways.effect(name, id),
+            Target::Interval(recordings, time_s) => {
+                earliest(recordings).and_then(|recording| ways.interval(recording, *time_s, words, id))
+            }
         };
     }
-    for plot in items(sections).filter_map(drawn) {
-        for toggle in &mut plot.toggles {
-            toggle.id = speaking.iter().find(|(name, _)| *name == toggle.name).map(|(_, id)| id.clone());
+    items(sections).filter_map(drawn).for_each(|plot| ways.mark(plot));
+}
+
+impl Ways {
+    /// Knows a plot, and puts it into its group.
+    fn add(&mut self, plot: &mut Plot) {
+        self.effects.extend(plot.toggles.iter().map(|toggle| (toggle.name.clone(), plot.id.clone())));
+        let ends = number::ends(plot.series.iter().flat_map(|series| &series.points).map(|point| point.x));
+        let (Some(time), Some(ends)) = (&mut plot.time, ends) else { return };
+        let ends = ends.map(|end| time.moment(end * time.unit_s));
+        let mut shown = Shown { time: time.clone(), ends, plot: plot.id.clone() };
+        if let Some(known) = self.shown.iter().find(|known| known.is_beside(&shown)) {
+            shown.time.group.clone_from(&known.time.group);
         }
-        let Some(time) = &plot.time else { continue };
-        let own = marks.iter().filter(|(recording, ..)| *recording == time.recording);
+        time.group.clone_from(&shown.time.group);
+        self.shown.push(shown);
+    }
+
+    fn effect(&mut self, name: &str, id: String) -> Option<Link> {
+        let (_, plot) = self.effects.iter().find(|(known, _)| known == name)?;
+        self.speaking.push((name.into(), id.clone()));
+        Some(Link { id: Some(id), to: plot.clone(), shown: None })
+    }
+
+    fn interval(&mut self, recording: String, [from, to]: [f64; 2], words: &str, id: String) -> Option<Link> {
+        let Shown { time, plot, .. } = self.shown.iter().find(|shown| shown.time.recording == recording)?;
+        let mark = Interval { name: shortened(words), from, to, id: id.clone() };
+        let same = |known: &Interval| (&known.name, known.from, known.to) == (&mark.name, from, to);
+        if !self.marks.iter().any(|(of, known)| *of == recording && same(known)) {
+            self.marks.push((recording, mark));
+        }
+        let shown = (time.group.clone(), [from, to].map(|own| time.moment(own)));
+        Some(Link { id: Some(id), to: plot.clone(), shown: Some(shown) })
+    }
+
+    /// Marks in a plot what is spoken of.
+    fn mark(&self, plot: &mut Plot) {
+        for toggle in &mut plot.toggles {
+            toggle.id = self.speaking.iter().find(|(name, _)| *name == toggle.name).map(|(_, id)| id.clone());
+        }
+        let Some(Timeline { recording, unit_s, .. }) = &plot.time else { return };
+        let own = self.marks.iter().filter(|(of, _)| of == recording);
         plot.marks = own
-            .map(|(_, [from, to], mark)| Interval {
-                from: from / time.unit_s,
-                to: to / time.unit_s,
-                ..mark.clone()
-            })
+            .map(|(_, mark)| Interval { from: mark.from / unit_s, to: mark.to / unit_s, ..mark.clone() })
             .collect();
     }
 }

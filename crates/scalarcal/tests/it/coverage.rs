@@ -1,8 +1,9 @@
 //! Coverage of the 95 % intervals of all nine parameters. FLUXCAL_CAMPAIGNS sets how many campaigns.
 
-use scalarcal::Options;
+use noise::Stream;
+use scalarcal::{Assumed, Options};
 
-use crate::build::{Campaign, MAGNITUDE_NT, NAMES, Turns, found, intervals_hold, result};
+use crate::build::{Campaign, MAGNITUDE_NT, NAMES, Turns, findings, found, intervals_hold, result};
 
 /// The interval's share, and what is allowed.
 const BAND: [f64; 2] = [0.93, 0.97];
@@ -69,6 +70,35 @@ fn noise_of_a_stream() {
         let campaign = Campaign { turns, rows: 6000, ..Campaign::default() };
         covered(true, [(format!("stream, 10 ppm, {turns:?}, 6000 rows"), campaign, 8)]);
     }
+}
+
+/// Turns about the vertical alone, by sensors of which limits are known: where those decide, intervals are wide.
+#[test]
+fn limits_of_the_sensors() {
+    let assumed = Assumed { scales_within: Some(2.0), angles_within: Some(1.0), only: None };
+    let options = Options { assumed, ..Options::default() };
+    intervals_hold("turns about z, limits", &NAMES[..9], (40, WIDE), |seed| {
+        let mut stream = Stream::new(seed, "sensors");
+        // The squared length of two normal numbers gives a uniform one.
+        let mut uniform = || (-0.5 * (stream.normal().powi(2) + stream.normal().powi(2))).exp();
+        let mut within = |limit: f64| [0; 3].map(|_| limit * (2.0 * uniform() - 1.0));
+        let turns = if seed.is_multiple_of(2) { Turns::AboutZ } else { Turns::Poor };
+        let campaign = Campaign {
+            sensitivity: within(0.02).map(|share| 6400.0 * (1.0 + share)),
+            angles: within(1_f64.to_radians()),
+            offset_nt: within(200.0),
+            turns,
+            ..Campaign::default()
+        };
+        let document = result(campaign.document(seed), &options, false)
+            .unwrap_or_else(|error| panic!("{seed}: {error}"));
+        assert!(findings(&document).contains("assumed: scale factors within 2 %, angles"), "{seed}");
+        found(&document)
+            .iter()
+            .zip(campaign.truth())
+            .map(|((value, std), truth)| (value - truth, *std))
+            .collect()
+    });
 }
 
 /// A field that nobody measured, and that wanders as that of the Earth does.
