@@ -16,8 +16,8 @@ pub struct AtPlace {
     #[arg(long, value_name = "LAT,LON,HEIGHT", allow_hyphen_values = true, value_parser = place)]
     pub place: Option<Place>,
     /// When, where the recording has no `start`: 2026-11-30, or RFC 3339
-    #[arg(long, value_name = "DATE", requires = "place", value_parser = year)]
-    pub date: Option<f64>,
+    #[arg(long, requires = "place", value_parser = date)]
+    pub date: Option<String>,
     /// The model [default: igrf14]
     #[arg(long, requires = "place", value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)).map(model))]
     pub field_model: Option<Model>,
@@ -38,17 +38,18 @@ pub struct KnownMagnitude {
 }
 
 impl AtPlace {
-    /// The field north, east and down at the place at a moment, or on the date of the option, and where it comes
-    /// from; None where no place is named.
+    /// The field north, east and down at the place at a moment, which stands at this path, or on the date of the
+    /// option, and where it comes from; None where no place is named.
     ///
     /// # Errors
     ///
     /// A moment that is not known, or outside the years of the model.
     pub fn field_nt(&self, start: Option<Start>, path: &str) -> Result<Option<([f64; 3], String)>, Error> {
         let Some(place) = &self.place else { return Ok(None) };
-        let Some(year) = self.date.or_else(|| start?.year()) else {
+        let moment = self.date.as_deref().map_or(start, moment);
+        let Some(year) = moment.and_then(Start::year) else {
             let expected = "a moment such as 2026-11-30T12:00:00Z, or --date: the field of a place changes by some 50 nT a year";
-            return Err(Error::document(format!("{path}.start"), "none", expected));
+            return Err(Error::document(path, "none", expected));
         };
         let model = self.field_model.unwrap_or_default();
         let field = model.field_nt(place, year).ok_or_else(|| {
@@ -69,7 +70,7 @@ impl AtPlace {
             .place
             .iter()
             .map(|at| format!("--place={},{},{}", at.latitude_deg, at.longitude_deg, at.height_m));
-        let date = self.date.iter().map(|year| format!("--date={year}"));
+        let date = self.date.iter().map(|date| format!("--date={date}"));
         let model = self.field_model.iter().map(|model| format!("--field-model={}", model.name()));
         place.chain(date).chain(model).collect()
     }
@@ -87,7 +88,7 @@ impl KnownMagnitude {
             if is_measured(recording) || !of(recording) {
                 continue;
             }
-            let modelled = self.at.field_nt(recording.start(), &format!("recordings[{index}]"))?;
+            let modelled = self.at.field_nt(recording.start(), &format!("recordings[{index}].start"))?;
             let (value, std, said) = match (self.magnitude_nt, modelled) {
                 (Some(value), _) => (value, self.magnitude_std_nt, None),
                 (None, Some(([x, y, z], said))) => {
@@ -133,9 +134,13 @@ fn place(text: &str) -> Result<Place, String> {
     if known { Ok(Place { latitude_deg, longitude_deg, height_m }) } else { Err(wrong()) }
 }
 
-fn year(text: &str) -> Result<f64, String> {
-    let moment = Start::parse(text).or_else(|| Start::parse(&format!("{text}T00:00:00Z")));
-    moment.and_then(Start::year).ok_or_else(|| "expected a date such as 2026-11-30".to_string())
+/// A moment, or the beginning of a day.
+fn moment(text: &str) -> Option<Start> {
+    Start::parse(text).or_else(|| Start::parse(&format!("{text}T00:00:00Z")))
+}
+
+fn date(text: &str) -> Result<String, String> {
+    moment(text).map(|_| text.into()).ok_or_else(|| "expected a date such as 2026-11-30".into())
 }
 
 fn model(name: String) -> Model {
@@ -157,7 +162,7 @@ mod tests {
         let mut known = KnownMagnitude { at, ..KnownMagnitude::default() };
         let error = known.state(&mut document, |_| true).expect_err("no moment").to_string();
         assert!(error.starts_with("recordings[2].start: found none") && error.contains("--date"), "{error}");
-        known.at.date = year("2022-08-10").ok();
+        known.at.date = date("2022-08-10").ok();
         known.state(&mut document, |_| true).expect("stated");
         let of = |at: usize| document.recordings[at].conditions.extra.get("magnitude_nt");
         let stated: Quantity = serde_json::from_value(of(0).expect("stated").clone()).expect("a quantity");
@@ -171,15 +176,15 @@ mod tests {
         for text in ["47.93,15.87", "97,0,0", "a,b,c", ""] {
             assert!(place(text).is_err(), "{text}");
         }
-        assert!(year("30.11.2026").is_err());
-        let at = |year: f64, field_model: Model| AtPlace {
+        assert!(date("30.11.2026").is_err());
+        let at = |date: &str, field_model: Model| AtPlace {
             place: place("0,0,0").ok(),
-            date: Some(year),
+            date: Some(date.into()),
             field_model: Some(field_model),
         };
-        let error = at(2022.0, Model::Wmm2025).field_nt(None, "").expect_err("too early").to_string();
+        let error = at("2022-01-01", Model::Wmm2025).field_nt(None, "").expect_err("too early").to_string();
         assert!(error.contains("--field-model igrf14"), "{error}");
-        let error = at(1850.0, Model::Igrf14).field_nt(None, "").expect_err("too early").to_string();
+        let error = at("1850-01-01", Model::Igrf14).field_nt(None, "").expect_err("too early").to_string();
         assert!(error.contains("--magnitude-nt"), "{error}");
     }
 }

@@ -152,7 +152,7 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let mut plan = simulate::Plan::parse(&input.text).map_err(located)?;
     plan.seed = seed.unwrap_or(plan.seed);
     let start = plan.start.as_deref().and_then(Start::parse);
-    if let Some((field_nt, _)) = at.field_nt(start, "the plan").map_err(located)? {
+    if let Some((field_nt, _)) = at.field_nt(start, "start").map_err(located)? {
         plan.truth.outside.get_or_insert_default().main_field_nt = field_nt;
     }
     if *run_sheet {
