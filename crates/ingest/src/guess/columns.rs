@@ -11,9 +11,9 @@ use crate::units;
 
 /// What stands around x, y and z in names of field readings, in letters of lower case, where anything does.
 const STEMS: &str = "b m h mag magn field bfield magfield magnetic magneticfield magnetometer flux fluxgate fgm fg \
-                     rm sensor";
+                     rm sensor fieldvector";
 /// Names of a scalar magnetometer's readings.
-const SCALARS: &str = "f scalar fscalar totalfield proton pmag overhauser";
+const SCALARS: &str = "f scalar fscalar totalfield fieldmagnitude proton pmag overhauser";
 /// Beginnings of names that the document knows, up to their underscore.
 const KNOWN: &str = "coil sensor reference test third outside ambient electronics attitude tilt";
 /// Names that say nothing, without their numbers.
