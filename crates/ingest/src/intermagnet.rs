@@ -7,7 +7,7 @@ mod imf;
 
 use tables::{Content, Place};
 
-use crate::iaga::put;
+use crate::iaga::{letter, put};
 use crate::piece::Piece;
 use crate::text::{Source, decoded, lines};
 use crate::{Error, Options};
@@ -49,6 +49,13 @@ fn first_line(bytes: &[u8]) -> String {
     let head = &bytes[..bytes.len().min(400)];
     let first = lines(head).find(|(_, line)| !line.trim_ascii().is_empty());
     decoded(first.map_or(&[], |(_, line)| line)).into_owned()
+}
+
+/// The letters of elements as a header runs them together, each once.
+fn elements(text: &str) -> Option<Vec<char>> {
+    let letters: Vec<char> = text.chars().map(|name| letter(&name.to_string())).collect::<Option<_>>()?;
+    let is_new = |(index, name): (usize, &char)| !letters[..index].contains(name);
+    letters.iter().enumerate().all(is_new).then_some(letters)
 }
 
 /// Tenths or hundredths as files store them; NaN for 999999 (missing) and 888888 (not observed), which may have a

@@ -5,10 +5,9 @@
 use common::number::counted;
 use tables::Place;
 
-use super::{Components, header, scaled};
+use super::{Components, elements, header, scaled};
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS};
-use crate::iaga::letter;
 use crate::piece::Piece;
 use crate::text::{Source, decoded, quoted};
 
@@ -58,33 +57,32 @@ impl Day<'_> {
         })
     }
 
-    /// The letters of the four elements. Where the header names three, the fourth is F.
+    /// The letters of the four elements. Where the header names three, the fourth is the scalar.
     fn letters(&self) -> Result<Vec<char>, Error> {
-        let text = self.text(5);
-        let mut letters: Vec<char> = text.chars().filter_map(|name| letter(&name.to_string())).collect();
-        let distinct = letters.iter().enumerate().all(|(index, name)| !letters[..index].contains(name));
-        if letters.len() != text.chars().count() || !(3..=4).contains(&letters.len()) || !distinct {
-            let found = format!("the orientation {}", quoted(text.as_bytes()));
-            return Err(self.fault(6, found, "the elements, as in XYZG or HDZF"));
-        }
+        let letters = elements(&self.text(5)).filter(|letters| (3..=4).contains(&letters.len()));
+        let mut letters = letters.ok_or_else(|| {
+            let found = format!("the orientation {}", quoted(self.text(5).as_bytes()));
+            self.fault(6, found, "the elements, as in XYZG or HDZF")
+        })?;
         if letters.len() == 3 {
-            letters.push('F');
+            letters.push(if letters.contains(&'F') { 'S' } else { 'F' });
         }
         Ok(letters)
     }
 
     /// Latitude and longitude, degrees.
     fn place(&self) -> Result<[f64; 2], Error> {
-        let [colatitude, longitude] = [self.number(2), self.number(3)];
-        if !(0..=180_000).contains(&colatitude) {
-            let expected = "thousandths of a degree from 0 to 180000; is the file IAF, and undamaged?";
-            return Err(self.fault(3, format!("the colatitude {colatitude}"), expected));
+        for (index, what, range) in [(2, "colatitude", 0..=180_000), (3, "longitude", -180_000..=360_000)] {
+            if !range.contains(&self.number(index)) {
+                let expected = format!(
+                    "{} to {}, in thousandths of a degree; was the file damaged?",
+                    range.start(),
+                    range.end()
+                );
+                return Err(self.fault(index + 1, format!("the {what} {}", self.number(index)), &expected));
+            }
         }
-        if !(-180_000..=360_000).contains(&longitude) {
-            let expected = "thousandths of a degree from -180000 to 360000; is the file IAF, and undamaged?";
-            return Err(self.fault(4, format!("the longitude {longitude}"), expected));
-        }
-        Ok([f64::from(90_000 - colatitude) / 1000.0, f64::from(longitude) / 1000.0])
+        Ok([90_000 - self.number(2), self.number(3)].map(|thousandths| f64::from(thousandths) / 1000.0))
     }
 
     fn version(&self) -> Option<&'static str> {
@@ -96,11 +94,8 @@ impl Day<'_> {
 pub fn read(source: &Source, piece: &mut Piece) -> Result<Components, Error> {
     let size = source.bytes.len();
     if !size.is_multiple_of(DAY_BYTES) {
-        let found = format!(
-            "{} and {} of another",
-            counted(size / DAY_BYTES, "day"),
-            counted(size % DAY_BYTES, "byte")
-        );
+        let (days, bytes) = (counted(size / DAY_BYTES, "day"), counted(size % DAY_BYTES, "byte"));
+        let found = format!("{days} and {bytes} of another");
         let expected = format!("whole days of {DAY_BYTES} bytes (IAF); was the file cut, or copied as text?");
         return Err(source.fault(Place::Whole, found, expected));
     }

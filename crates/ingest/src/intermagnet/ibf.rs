@@ -10,12 +10,15 @@ use serde_json::Value;
 use std::collections::BTreeMap;
 use tables::Place;
 
+use super::elements;
 use crate::Error;
 use crate::clock::{self, DAY_NS};
 use crate::fill;
-use crate::iaga::letter;
 use crate::piece::Piece;
 use crate::text::{Source, decoded, lines, quoted};
+
+/// Beyond the digits that a column has.
+const MOST: f64 = 1e7;
 
 /// The first line.
 pub struct Header {
@@ -42,9 +45,12 @@ impl Header {
         let [components, means @ .., station, year] = words.as_slice() else { return None };
         let known = ["XYZ", "HDZ", "DIF", "UVZ", "DHZ"].iter().any(|known| components.starts_with(known));
         let is_station = station.len() == 3 && station.starts_with(|first: char| first.is_ascii_alphabetic());
-        let means: Vec<f64> = means.iter().map(|mean| mean.parse().ok()).collect::<Option<_>>()?;
+        let means: Vec<f64> = means
+            .iter()
+            .map(|mean| mean.parse().ok().filter(|mean: &f64| mean.abs() < MOST))
+            .collect::<Option<_>>()?;
         let year = year.parse().ok().filter(|year| (1800..2261).contains(year))?;
-        let letters = components.chars().take(3).filter_map(|name| letter(&name.to_string())).collect();
+        let letters = elements(components.get(..3)?)?;
         let fits = known && components.len() <= 4 && is_station && (1..=2).contains(&means.len());
         fits.then_some(Header { letters, means, station: station.to_string(), year })
     }
@@ -108,7 +114,8 @@ pub fn read(source: &Source) -> Result<Piece, Error> {
         let mut words: Vec<&str> = text.split_whitespace().collect();
         let adopted = section == 1;
         let mark = words.pop_if(|word| adopted && matches!(*word, "c" | "d" | "C" | "D"));
-        let numbers: Option<Vec<f64>> = words.iter().map(|word| word.parse().ok()).collect();
+        let parse = |word: &&str| word.parse().ok().filter(|number: &f64| number.abs() < MOST);
+        let numbers: Option<Vec<f64>> = words.iter().map(parse).collect();
         let most = names.len() + 1 + usize::from(adopted);
         let fits = |count: usize| count == most || (adopted && header.is_old() && count + 1 == most);
         let is_marked = !adopted || header.is_old() || mark.is_some();
@@ -124,7 +131,7 @@ pub fn read(source: &Source) -> Result<Piece, Error> {
                 format!("the day of the year, {count} {kind} baselines{more} (IBF); was the file cut?");
             return fault(quoted(line), expected);
         };
-        let day = first + *of_year as i64 - 1;
+        let day = first - 1 + *of_year as i64;
         if of_year.fract() != 0.0 || !(first..next).contains(&day) {
             return fault(
                 format!("day {of_year}"),

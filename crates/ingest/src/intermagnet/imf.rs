@@ -5,16 +5,20 @@
 
 use tables::Place;
 
-use super::{Components, header, scaled};
+use super::{Components, elements, header, scaled};
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS};
-use crate::iaga::letter;
 use crate::piece::Piece;
 use crate::text::{Source, decoded, lines, quoted};
 
 const MONTHS: [&str; 12] =
     ["JAN", "FEB", "MAR", "APR", "MAY", "JUN", "JUL", "AUG", "SEP", "OCT", "NOV", "DEC"];
+/// Types of data as IAGA-2002 calls them.
+const KINDS: [(&str, &str); 4] =
+    [("R", "Reported"), ("A", "Adjusted"), ("Q", "Quasi-definitive"), ("D", "Definitive")];
 const MINUTE_NS: i64 = 60 * SECOND_NS;
+/// Seven digits: a missing value is the largest.
+const MOST: i64 = 9_999_999;
 /// Minutes of a block.
 const BLOCK: i64 = 60;
 
@@ -35,33 +39,21 @@ impl Header {
     pub fn of(line: &str) -> Option<(Self, Vec<&str>)> {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [station, date, _, _, letters, kind, _, place, base, ..] = words[..] else { return None };
-        let letters: Vec<char> =
-            letters.chars().map(|name| letter(&name.to_string())).collect::<Option<_>>()?;
+        let letters = elements(letters)?;
         let month = date.get(..3)?.to_ascii_uppercase();
-        let meant = MONTHS.contains(&month.as_str()) && letters.len() == 4 && kind.len() == 1;
+        let meant =
+            MONTHS.contains(&month.as_str()) && date.len() == 7 && letters.len() == 4 && kind.len() == 1;
         let (station, kind, place) = (station.to_string(), kind.to_string(), place.to_string());
         let base = base.parse().ok()?;
         meant.then_some((Header { station, letters, kind, place, base }, words))
     }
 
-    /// As IAGA-2002 calls it.
-    fn data_type(&self) -> &'static str {
-        match self.kind.as_str() {
-            "R" => "Reported",
-            "A" => "Adjusted",
-            "Q" => "Quasi-definitive",
-            "D" => "Definitive",
-            _ => "",
-        }
-    }
-
     /// Latitude and longitude in degrees as text; empty where the header does not say them.
     fn degrees(&self) -> [String; 2] {
         let tenths = |text: Option<&str>| text.and_then(|text| text.parse::<f64>().ok());
-        let [colatitude, longitude] = [tenths(self.place.get(..4)), tenths(self.place.get(4..))];
-        let degrees =
-            |tenths: Option<f64>| tenths.map_or_else(String::new, |tenths| format!("{:.1}", tenths / 10.0));
-        [degrees(colatitude.map(|tenths| 900.0 - tenths)), degrees(longitude)]
+        let [colatitude, longitude] = [self.place.get(..4), self.place.get(4..)].map(tenths);
+        [colatitude.map(|tenths| 900.0 - tenths), longitude]
+            .map(|tenths| tenths.map_or_else(String::new, |tenths| format!("{:.1}", tenths / 10.0)))
     }
 }
 
@@ -109,9 +101,10 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<(Components, Option<f6
             }
             continue;
         }
-        let values: Option<Vec<i64>> = text.split_whitespace().map(|cell| cell.parse().ok()).collect();
+        let value = |cell: &str| cell.parse().ok().filter(|value: &i64| (-MOST..=MOST).contains(value));
+        let values: Option<Vec<i64>> = text.split_whitespace().map(value).collect();
         let (Some(header), Some(values)) = (&first, values.filter(|values| values.len() == 8)) else {
-            let expected = "eight whole numbers, four for each of two minutes; was the file cut?";
+            let expected = "eight whole numbers of seven digits at most, four for each of two minutes; was the file cut?";
             return Err(source.fault(place(), quoted(line), expected));
         };
         if minutes >= BLOCK {
@@ -131,6 +124,7 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<(Components, Option<f6
     };
     let [latitude, longitude] = first.degrees();
     piece.station = Some(first.station.clone());
+    let kind = KINDS.into_iter().find(|(code, _)| *code == first.kind);
     let records = header([
         ("Format", "IMF 1".into()),
         ("IAGA Code", first.station.clone()),
@@ -138,7 +132,7 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<(Components, Option<f6
         ("Geodetic Longitude", longitude),
         ("Reported", first.letters.iter().collect()),
         ("Data Interval Type", "1-minute".into()),
-        ("Data Type", first.data_type().into()),
+        ("Data Type", kind.map_or("", |(_, name)| name).into()),
     ]);
     piece.header.insert("header".into(), records);
     let base = Some(first.base as f64 / 10.0).filter(|base| *base != 0.0);
