@@ -152,5 +152,5 @@ fn readings(cli: &Cli) -> anyhow::Result<Option<Recording>> {
 fn says_itself(file: &Path) -> bool {
     let mut head = Vec::new();
     let read = File::open(file).and_then(|file| file.take(4096).read_to_end(&mut head));
-    read.is_ok() && matches!(Content::of("", &head), Ok(Content::Iaga | Content::Cdf))
+    read.is_ok() && matches!(Content::of("", &head), Ok(Content::Iaga | Content::Cdf | Content::Iaf))
 }

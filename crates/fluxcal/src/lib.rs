@@ -19,7 +19,7 @@ pub const PROGRAMS: [Program; 11] = [
     Program { name: "simulate", does: "Simulate the recordings of a campaign from a plan" },
     Program {
         name: "ingest",
-        does: "Read files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON, Parquet",
+        does: "Read files of observatories and loggers into a document: IAGA-2002, IAF, CDF, CSV, NDJSON, Parquet",
     },
     Program { name: "series", does: "Cut, average, resample and join recordings, and rename their columns" },
     Program {

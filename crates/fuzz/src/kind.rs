@@ -17,7 +17,7 @@ pub enum FileKind {
     Piece,
     /// Orientations that a fixture can take.
     Orientations,
-    /// An observatory's day.
+    /// An observatory's day, or its baselines, as text.
     Iaga,
     /// Columns of text.
     Csv,
@@ -25,7 +25,7 @@ pub enum FileKind {
     Ndjson,
     /// Columns in binary.
     Parquet,
-    /// Records of variables in binary.
+    /// Records of variables, or days of IAF, in binary.
     Cdf,
 }
 
@@ -33,11 +33,11 @@ impl FileKind {
     /// Of a file by its name and, where that is JSON, by its keys. Absent: no program reads it.
     pub fn of(name: &str, bytes: &[u8]) -> Option<Self> {
         match name.rsplit_once('.')?.1 {
-            "min" | "sec" => Some(FileKind::Iaga),
+            "min" | "sec" | "imf" | "blv" => Some(FileKind::Iaga),
             "csv" => Some(FileKind::Csv),
             "ndjson" => Some(FileKind::Ndjson),
             "parquet" => Some(FileKind::Parquet),
-            "cdf" => Some(FileKind::Cdf),
+            "cdf" | "bin" => Some(FileKind::Cdf),
             "txt" if name.ends_with("counts.txt") => Some(FileKind::Csv),
             "json"
                 if !["tolerances.json", "certificate/magsat.json"].iter().any(|end| name.ends_with(end))

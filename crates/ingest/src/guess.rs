@@ -3,6 +3,7 @@
 
 mod columns;
 mod content;
+mod hapi;
 mod names;
 mod notation;
 mod open;
@@ -14,10 +15,8 @@ pub use open::Guess;
 
 use std::path::Path;
 
-use tables::Content;
-
 use crate::Error;
-use crate::mapping::Mapping;
+use crate::mapping::{Mapping, SourceColumn};
 use crate::text::Source;
 
 use sample::Sample;
@@ -26,12 +25,13 @@ use sample::Sample;
 ///
 /// # Errors
 ///
-/// A file that cannot be read, holds no rows, or is IAGA-2002, which needs no mapping.
+/// A file that cannot be read, holds no rows, or is IAGA-2002 or IAF, which need no mapping.
 pub fn guess(file: &Path, quantity: &str) -> Result<Guess, Error> {
     let source = Source::read(file)?;
-    if source.kind == Content::Iaga {
-        let expected = "CSV, NDJSON or Parquet; IAGA-2002 needs no mapping: ingest FILE";
-        return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
+    if source.kind.is_observatory() {
+        let name = source.kind.name();
+        let expected = format!("CSV, NDJSON or Parquet; {name} needs no mapping: ingest FILE");
+        return Err(source.fault(tables::Place::Whole, name, expected));
     }
     of(&source, quantity)
 }
@@ -46,6 +46,11 @@ fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
     }
     let time = time::guess(&sample, &source.name, &mut guess);
     columns::guess(&sample, &time, quantity, &mut guess);
+    let hapi = hapi::header(&source.bytes).unwrap_or_default();
+    for column in &mut guess.mapping.columns {
+        let SourceColumn::Number(number) = column.from else { continue };
+        column.missing.extend(hapi.get(number.get() - 1).and_then(|column| column.fill));
+    }
     if guess.mapping.columns.is_empty() {
         let expected = "a table with a column of numbers at least; is it a file of readings?";
         return Err(source.fault(tables::Place::Whole, "no column of readings", expected));

@@ -1,11 +1,11 @@
-//! Files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON and Parquet.
+//! Files of observatories and loggers into a document: IAGA-2002, IAF, IMF, IBF, CDF, CSV, NDJSON and Parquet.
 //!
 //! [`run`] reads files of one series, brings their times to UTC and their values to the document's units,
 //! joins them in the order of time and adds them as one recording. A long series goes beside the document as
 //! a [`Table`]. Nothing is written here.
 //!
-//! The content of a file decides what it is (`tables::Content`). `iaga`, `imagcdf`, `cdf`, `usgs`,
-//! `delimited`, `ndjson` and `parquet` each give a `Piece`: moments in whole nanoseconds, columns in the
+//! The content of a file decides what it is (`tables::Content`). `iaga`, `intermagnet`, `imagcdf`,
+//! `cdf`, `usgs`, `delimited`, `ndjson` and `parquet` each give a `Piece`: moments in whole nanoseconds, columns in the
 //! document's units, and the line of each row, so that every later fault can name its place. Text is parsed
 //! in parts of a megabyte on all cores; the first fault by line counts. `raw` applies what a mapping says of
 //! values before they are converted (fill values, two's complement, valid range), for all formats alike.
@@ -22,6 +22,7 @@ mod fill;
 mod guess;
 mod iaga;
 mod imagcdf;
+mod intermagnet;
 mod jumps;
 mod mapping;
 mod nasa;
@@ -133,17 +134,22 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     if options.mapping.is_none() {
         let says_itself = match source.kind {
             Content::Cdf => imagcdf::read(source, options)?,
-            _ => usgs::read(source, options)?,
+            _ => match intermagnet::read(source, options)? {
+                None => usgs::read(source, options)?,
+                piece => piece,
+            },
         };
         if let Some(piece) = says_itself {
             return Ok(piece);
         }
     }
-    if source.kind == Content::Iaga {
+    if source.kind.is_observatory() {
         if options.mapping.is_some() {
-            let expected =
-                "no --map, which is for CDF, CSV, NDJSON and Parquet: IAGA-2002 describes its own columns";
-            return Err(source.fault(tables::Place::Whole, "IAGA-2002", expected));
+            let name = source.kind.name();
+            let expected = format!(
+                "no --map, which is for CDF, CSV, NDJSON and Parquet: {name} describes its own columns"
+            );
+            return Err(source.fault(tables::Place::Whole, name, expected));
         }
         return iaga::read(source, options);
     }
@@ -164,7 +170,9 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
         Content::NdJson => ndjson::read(source, &mapping)?,
         Content::Parquet => parquet::read(source, &mapping)?,
         Content::Cdf => cdf::read(source, &mapping)?,
-        Content::Delimited | Content::Iaga | Content::Document => delimited::read(source, &mapping)?,
+        Content::Delimited | Content::Iaga | Content::Iaf | Content::Document => {
+            delimited::read(source, &mapping)?
+        }
     };
     piece.header.insert("mapping".into(), serde_json::to_value(&mapping).unwrap_or_default());
     piece.notes.extend(notes);

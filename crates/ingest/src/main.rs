@@ -15,7 +15,7 @@ const PROGRAM: Program = Program { name: "ingest", version: env!("CARGO_PKG_VERS
 /// Vector readings that the document knows.
 const QUANTITIES: [&str; 6] = ["sensor", "reference", "test", "third", "outside", "ambient"];
 
-/// Read files of observatories and loggers into a document: IAGA-2002, CDF, CSV, NDJSON, Parquet
+/// Read files of observatories and loggers into a document: IAGA-2002, IAF, CDF, CSV, NDJSON, Parquet
 #[derive(Parser)]
 #[command(
     version,

@@ -22,7 +22,7 @@ pub struct Piece {
     /// As messages name it.
     pub shown: String,
     pub sha256: String,
-    /// `IAGA-2002`, `CSV`, `NDJSON`, `Parquet`.
+    /// `IAGA-2002`, `IAF`, `CSV`, `NDJSON`, `Parquet`, ….
     pub format: &'static str,
     /// What `times_ns` counts from.
     pub clock: Clock,

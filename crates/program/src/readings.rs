@@ -11,6 +11,7 @@ pub fn told(bytes: &[u8]) -> Option<&'static str> {
     match Content::of("", bytes) {
         Ok(Content::Iaga) => Some("IAGA-2002"),
         Ok(Content::Cdf) => Some("CDF"),
+        Ok(Content::Iaf) => Some("IAF"),
         Ok(Content::Parquet) => Some("Parquet"),
         Ok(Content::Delimited) => is_table(bytes).then_some("lines of values (CSV)"),
         Ok(Content::NdJson) => is_ndjson(bytes).then_some("a JSON object a line (NDJSON)"),

@@ -15,6 +15,8 @@ pub enum Content {
     Parquet,
     /// NASA's Common Data Format.
     Cdf,
+    /// INTERMAGNET's archive format of definitive minute means.
+    Iaf,
     /// A fluxcal document.
     Document,
 }
@@ -42,12 +44,22 @@ impl Content {
             [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => return refused("text in UTF-16", utf8),
             _ => {}
         }
+        match iaf(bytes) {
+            Some(true) => return Ok(Content::Iaf),
+            Some(false) => {
+                let expected = "IAF in little-endian byte order, as INTERMAGNET publishes it; swap the bytes of each number";
+                return refused("INTERMAGNET's archive format (IAF) in big-endian byte order", expected);
+            }
+            None => {}
+        }
         let head = &bytes[..bytes.len().min(4096)];
         match memchr(0, head) {
             Some(at) if at < 4 && head.len() > 3 => {
                 return refused("text in UTF-16, without a mark that says so", utf8);
             }
-            Some(at) => return refused(&format!("a zero byte at byte {}", at + 1), "text, Parquet or CDF"),
+            Some(at) => {
+                return refused(&format!("a zero byte at byte {}", at + 1), "text, Parquet, CDF or IAF");
+            }
             None => {}
         }
         let head = head.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(head);
@@ -79,13 +91,38 @@ impl Content {
             Content::NdJson => "NDJSON",
             Content::Parquet => "Parquet",
             Content::Cdf => "CDF",
+            Content::Iaf => "IAF",
             Content::Document => "a fluxcal document",
         }
     }
 
+    /// Whether it is a format of observatories that says itself what its columns are.
+    pub fn is_observatory(self) -> bool {
+        matches!(self, Content::Iaga | Content::Iaf)
+    }
+
     /// Whether it is no text.
     pub fn is_binary(self) -> bool {
-        matches!(self, Content::Parquet | Content::Cdf)
+        matches!(self, Content::Parquet | Content::Cdf | Content::Iaf)
+    }
+}
+
+/// Whether bytes begin as a day of IAF does, and whether its numbers are little-endian: the station's code, year
+/// and day of the year as YYYYDDD, and as sixth word the letters of the components. It has no other mark.
+fn iaf(bytes: &[u8]) -> Option<bool> {
+    let word = |index: usize| bytes.get(4 * index..4 * index + 4)?.first_chunk::<4>().copied();
+    let letters = |index: usize, known: fn(&u8) -> bool| {
+        let text = word(index)?;
+        let text = text.trim_ascii();
+        (text.len() > 1 && text.iter().all(known)).then_some(())
+    };
+    letters(0, u8::is_ascii_alphanumeric)?;
+    letters(5, u8::is_ascii_uppercase)?;
+    let is_day = |day: i32| (1800..2262).contains(&(day / 1000)) && (1..=366).contains(&(day % 1000));
+    let day = word(1)?;
+    match (is_day(i32::from_le_bytes(day)), is_day(i32::from_be_bytes(day))) {
+        (false, false) => None,
+        (little, _) => Some(little),
     }
 }
 
@@ -102,6 +139,10 @@ mod tests {
         assert_eq!(of(b"PAR1...."), Ok(Content::Parquet));
         assert_eq!(of(b"\xCD\xF3\x00\x01\x00\x00\xFF\xFF"), Ok(Content::Cdf));
         assert_eq!(of(b"{\n \"fluxcal\": 1}"), Ok(Content::Document));
+        let iaf = |day: [u8; 4]| [b" FLX".as_slice(), &day, &[0; 12], b"XYZG"].concat();
+        assert_eq!(of(&iaf(2_024_366_i32.to_le_bytes())), Ok(Content::Iaf));
+        assert!(of(&iaf(2_024_366_i32.to_be_bytes())).expect_err("order").contains("big-endian"));
+        assert!(of(&iaf(2_024_367_i32.to_le_bytes())).expect_err("no day").contains("zero byte"));
         assert!(of(b"\xff\xfet\0").expect_err("UTF-16").contains("UTF-16"));
         assert!(of(b"t\0,\0x\0").expect_err("UTF-16").contains("UTF-16"));
         assert!(of(b"PK\x03\x04").expect_err("zip").contains("zip"));

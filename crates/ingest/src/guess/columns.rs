@@ -11,11 +11,11 @@ use crate::units;
 
 /// What stands around x, y and z in names of field readings, in letters of lower case, where anything does.
 const STEMS: &str = "b m h mag magn field bfield magfield magnetic magneticfield magnetometer flux fluxgate fgm fg \
-                     rm sensor";
+                     rm sensor fieldvector";
 /// What names the field of another instrument, before or behind such a stem.
 const OTHERS: &str = "ref reference base basestation std standard remote obs observatory station";
 /// Names of a scalar magnetometer's readings.
-const SCALARS: &str = "f scalar fscalar totalfield proton pmag overhauser";
+const SCALARS: &str = "f scalar fscalar totalfield fieldmagnitude proton pmag overhauser";
 /// Beginnings of names that the document knows, up to their underscore.
 const KNOWN: &str = "coil sensor reference test third outside ambient electronics attitude tilt";
 /// Names that say nothing, without their numbers.

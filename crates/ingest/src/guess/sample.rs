@@ -1,10 +1,12 @@
 //! Some rows of a file as text, whatever its format.
 
+use common::number::counted;
 use serde_json::{Map, Value};
 use std::io::Cursor;
 use std::num::NonZeroUsize;
 use tables::{COLUMN_LIMIT, ColumnKind, Content, Place, Reader};
 
+use super::hapi;
 use super::notation::{Notation, is_missing};
 use crate::Error;
 use crate::cdf;
@@ -51,7 +53,7 @@ impl Sample {
             Content::NdJson => Self::of_ndjson(source),
             Content::Parquet => Self::of_parquet(source),
             Content::Cdf => Self::of_cdf(source),
-            Content::Delimited | Content::Iaga | Content::Document => Self::of_text(source),
+            Content::Delimited | Content::Iaga | Content::Iaf | Content::Document => Self::of_text(source),
         }
     }
 
@@ -62,17 +64,32 @@ impl Sample {
     }
 
     fn of_text(source: &Source) -> Result<Self, Error> {
-        let notation = Notation::of(source, ROWS)?;
+        let mut notation = Notation::of(source, ROWS)?;
         let width = notation.width;
         if width > COLUMN_LIMIT {
             return Err(crate::delimited::too_many(source, notation.mapping.header_line.unwrap_or(1), width));
         }
+        if let Some(columns) = hapi::header(&source.bytes) {
+            if columns.len() != width {
+                let found = format!("{} in the first row", counted(width, "value"));
+                let expected = format!("{}, as the header of the HAPI server says", columns.len());
+                return Err(source.fault(Place::Whole, found, expected));
+            }
+            notation.mapping.header_line = None;
+            notation.names = Some(columns.iter().map(|column| column.name.clone()).collect());
+            notation.units = Some(columns.into_iter().map(|column| column.unit).collect());
+        }
         let names = notation.names.clone().unwrap_or_else(|| vec![String::new(); width]);
+        let by_number = notation.mapping.header_line.is_none();
         let alone =
             |name: &String| names.iter().filter(|other| *other == name).count() == 1 && !name.is_empty();
         let from = names.iter().enumerate().map(|(index, name)| {
             let number = NonZeroUsize::MIN.saturating_add(index);
-            if alone(name) { SourceColumn::Name(name.clone()) } else { SourceColumn::Number(number) }
+            if alone(name) && !by_number {
+                SourceColumn::Name(name.clone())
+            } else {
+                SourceColumn::Number(number)
+            }
         });
         let cell = |row: &Vec<String>, column: usize| row.get(column).cloned().unwrap_or_default();
         let cells = (0..width).map(|column| notation.rows.iter().map(|row| cell(row, column)).collect());

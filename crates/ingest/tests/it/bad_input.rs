@@ -27,6 +27,25 @@ fn folder() -> tempfile::TempDir {
     let row = vec!["1.5"; names.len()].join(",");
     let million = format!("{}\n{row}\n{row}\n", names.join(","));
     fs::write(folder.path().join("million-columns.csv"), million).expect("written");
+    let iaf = fs::read(testkit::fixture("ingest/iaf.bin")).expect("a fixture");
+    let word = |day: usize, index: usize, content: [u8; 4]| {
+        let mut bytes = iaf.clone();
+        let at = day * 23_552 + 4 * (index - 1);
+        bytes[at..at + 4].copy_from_slice(&content);
+        bytes
+    };
+    for (name, bytes) in [
+        ("truncated", iaf[..30_000].to_vec()),
+        ("header-only", iaf[..64].to_vec()),
+        ("big-endian", word(0, 2, 2_024_070_i32.to_be_bytes())),
+        ("day", word(1, 2, 2_023_366_i32.to_le_bytes())),
+        ("place", word(1, 3, i32::MIN.to_le_bytes())),
+        ("orientation", word(0, 6, *b"XYZQ")),
+        ("station", word(1, 1, *b" BOU")),
+        ("value", word(1, 1600, i32::MIN.to_le_bytes())),
+    ] {
+        fs::write(folder.path().join(format!("{name}.bin")), bytes).expect("written");
+    }
     folder
 }
 
@@ -48,7 +67,10 @@ fn each_fault_has_its_message() {
                  utf-16-without-mark.csv duplicate-times.csv clock-set-back.csv unknown-unit.csv no-unit.csv \
                  more-values.csv time.csv day-or-month.csv spreadsheet.csv words-only.csv document.json list.json \
                  truncated.ndjson truncated.parquet time-missing.parquet million-columns.csv nowhere.csv \
-                 nameless.csv thousands-doubtful.csv day-or-month-am.csv truncated.cdf short.pcdcp short-usgs.json";
+                 nameless.csv thousands-doubtful.csv day-or-month-am.csv truncated.cdf short.pcdcp short-usgs.json \
+                 truncated.bin header-only.bin big-endian.bin day.bin place.bin orientation.bin station.bin \
+                 value.bin truncated.imf row.imf day.imf truncated.blv no-star.blv day.blv twice.blv yearmean.flx \
+                 hapi-no-unit.csv hapi-size.csv";
     let files = files.split(' ').map(|file| (file.replace('.', "-"), format!("-o out.json {file}")));
     let of_words = "unit-open unit-unknown volts column-absent column-twice column-zero scale-huge key-unknown zone \
                     format newer";
@@ -71,6 +93,8 @@ fn each_fault_has_its_message() {
         ("seconds-of-day", "--map map-seconds-of-day.json seconds-of-day.csv"),
         ("thousands", "--map map-seconds-of-day.json thousands.csv"),
         ("cdf-variable-absent", "--map map.json mission.cdf"),
+        ("map-for-iaf", "--map map.json value.bin"),
+        ("guess-iaf", "guess value.bin"),
         ("map-for-iaga", "--map map.json whole.min"),
         ("map-is-none", "--map document.json word.csv"),
         ("two-stations", "whole.min other-station.min"),

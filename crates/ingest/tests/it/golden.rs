@@ -46,6 +46,12 @@ fn golden() {
     case("usgs", &["usgs.json"], Options::default());
     case("magpy-pystr", &["magpy-pystr.txt"], Options::default());
     case("magpy-pyascii", &["magpy-pyascii.txt"], Options::default());
+    case("iaf", &["iaf.bin"], Options { readings: Readings::Beside(None), ..Options::default() });
+    case("iaf-hdzf", &["iaf-hdzf.bin"], Options { readings: Readings::Beside(None), ..outside() });
+    case("imf", &["flx20240310.imf"], Options::default());
+    case("ibf", &["flx2024.blv"], Options::default());
+    case("ibf-old", &["flx99.blv"], Options::default());
+    case("hapi", &["hapi.csv"], Options::default());
     case("beside", &["lemi.sec"], Options { readings: Readings::Beside(None), ..Options::default() });
 }
 
@@ -94,6 +100,11 @@ fn the_field_comes_back() {
     assert_eq!(against(&of(&["imagcdf-hdz.cdf"], Options::default()), sensor, 1.0, 1e-9), 3 * 12 - 2);
     assert_eq!(against(&of(&["bou20241101.pcdcp"], Options::default()), sensor, 60.0, 0.0), 4 * 20 - 1);
     assert_eq!(against(&of(&["usgs.json"], Options::default()), sensor, 60.0, 1e-8), 4 * 20 - 1);
+    // Tenths of a nanotesla, and of a minute of arc: 0.3 nT.
+    assert_eq!(against(&of(&["iaf.bin"], inline()), sensor, 60.0, 0.1), 4 * 2880 - 6);
+    assert_eq!(against(&of(&["iaf-hdzf.bin"], inline()), sensor, 60.0, 0.35), 4 * 1440 - 2);
+    assert_eq!(against(&of(&["flx20240310.imf"], Options::default()), sensor, 60.0, 0.07), 4 * 119);
+    assert_eq!(against(&of(&["hapi.csv"], Options::default()), sensor, 60.0, 0.0), 4 * 20 - 1);
     // Single precision.
     assert_eq!(against(&of(&["mission.cdf"], Options::default()), sensor, 0.25, 0.002), 3 * 40 - 1);
     let codes = of(&["codes.csv"], mapped("codes"));
@@ -106,6 +117,31 @@ fn the_field_comes_back() {
     assert_eq!(counts.recordings[0].column("sensor_z_nt").expect("z")[0], 3244.0 * 13.5 + 20_000.0);
     assert_eq!(counts.recordings[0].column("sensor_x_nt").expect("x")[0], 1548.0 * 13.5);
     assert!(counts.recordings[0].column("sensor_y_nt").expect("y")[3].is_nan());
+}
+
+fn inline() -> Options {
+    Options { readings: Readings::Inline, ..Options::default() }
+}
+
+/// Files of INTERMAGNET's formats as MagPy reads them (fixtures/reference/ingest/intermagnet.py).
+#[test]
+fn as_magpy_reads_intermagnet() {
+    let expected: serde_json::Value =
+        serde_json::from_str(&testkit::read_fixture("reference/ingest/intermagnet.json")).expect("JSON");
+    let mut count = 0;
+    for (file, columns) in expected["files"].as_object().expect("files") {
+        let document = of(&[file], inline());
+        for (name, values) in columns.as_object().expect("columns") {
+            let found = document.recordings[0].column(name).unwrap_or_else(|| panic!("{file}: {name}"));
+            for pair in values.as_array().expect("values") {
+                let found = found[pair[0].as_u64().expect("a row") as usize];
+                let close = pair[1].as_f64().map_or(found.is_nan(), |value| (value - found).abs() < 1e-9);
+                assert!(close, "{file}, {name}: {found} for {pair}");
+                count += 1;
+            }
+        }
+    }
+    assert_eq!(count, 374);
 }
 
 /// Files that MagPy wrote, as MagPy reads them (fixtures/reference/ingest/agencies.py).
