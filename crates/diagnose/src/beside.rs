@@ -296,22 +296,17 @@ impl Compared {
         }
     }
 
-    /// The label and the contribution to each channel, nT, of the clock and of each cause.
-    fn contributions(&self) -> Vec<(String, Vec<Vec<f64>>)> {
+    /// The label and the contribution to each channel, nT, of the clock.
+    fn clock_contribution(&self) -> Option<(String, Vec<Vec<f64>>)> {
+        let (effect, clock) = effects::clock(self).zip(self.clock.as_ref())?;
         let (from, to) = (self.time_s.first(), self.time_s.last());
         let middle_s = from.zip(to).map_or(0.0, |(from, to)| (from + to) / 2.0);
-        let clock = effects::clock(self).zip(self.clock.as_ref()).map(|(effect, clock)| {
-            let rate = clock.rate.as_ref().map_or(0.0, Quantity::value);
-            let late_s = |at_s: &f64| clock.offset_s.value() + rate * (at_s - middle_s);
-            let of = |late_nt: &Vec<f64>| {
-                late_nt.iter().zip(&self.time_s).map(|(nt, at_s)| nt * late_s(at_s)).collect()
-            };
-            (effect.label(), self.late_nt.iter().map(of).collect())
-        });
-        let causes = self.explained.causes.iter().enumerate().zip(&self.explained.contributions);
-        let causes =
-            causes.map(|((at, one), channels)| (effects::cause(self, at, one).label(), channels.clone()));
-        clock.into_iter().chain(causes).collect()
+        let rate = clock.rate.as_ref().map_or(0.0, Quantity::value);
+        let late_s = |at_s: &f64| clock.offset_s.value() + rate * (at_s - middle_s);
+        let of = |late_nt: &Vec<f64>| {
+            late_nt.iter().zip(&self.time_s).map(|(nt, at_s)| nt * late_s(at_s)).collect()
+        };
+        Some((effect.label(), self.late_nt.iter().map(of).collect()))
     }
 
     /// Before and after along time, the field's rate where a clock is late, and what is followed.
@@ -327,14 +322,17 @@ impl Compared {
                 _ => None,
             })
             .collect();
-        let contributions = self.contributions();
+        let clock = self.clock_contribution();
+        let causes = explained.causes.iter().enumerate().zip(&explained.contributions);
+        let causes =
+            causes.map(|((at, one), channels)| (effects::cause(self, at, one).label(), channels.clone()));
+        let contributions: Vec<(String, Vec<Vec<f64>>)> = clock.iter().cloned().chain(causes).collect();
         let mut all = Vec::new();
         for (channel, (column, _)) in self.channels.iter().enumerate() {
             let mut before = explained.before[channel].clone();
-            let rate: Option<Vec<f64>> = self.clock.as_ref().and(self.late_nt.get(channel)).map(|late_nt| {
-                let of_clock = contributions.iter().take(1).flat_map(|(_, of)| &of[channel]);
-                before.iter_mut().zip(of_clock).for_each(|(before, nt)| *before += nt);
-                late_nt.iter().map(|nt| -nt).collect()
+            let rate: Option<Vec<f64>> = clock.as_ref().map(|(_, of_clock)| {
+                before.iter_mut().zip(&of_clock[channel]).for_each(|(before, nt)| *before += nt);
+                self.late_nt[channel].iter().map(|nt| -nt).collect()
             });
             let rate = rate.as_ref().map(|rate| ("field_rate_nt_per_s", rate.as_slice()));
             let time = ("time_s", self.time_s.as_slice());

@@ -5,7 +5,7 @@ use clap::{Args, Parser, Subcommand};
 use common::{Document, Error as Fault};
 use ingest::{Keep, Mapping, Options, Readings};
 use program::pipe::{self, Input, Program};
-use program::place::KnownMagnitude;
+use program::place::{self, KnownMagnitude};
 use program::{apart, beside, manual, number};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -162,7 +162,11 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
     };
     let mut ingested = ingest::run(document, &args.files, &options)?;
     let added_id = ingested.document.recordings.last().map(|recording| recording.id.clone());
-    args.magnitude.state(&mut ingested.document, |recording| Some(&recording.id) == added_id.as_ref())?;
+    // The columns of a table beside the document are not in the recording.
+    let beside = ingested.table.iter().flat_map(|table| &table.columns).map(|(name, _)| name);
+    let measured = ingested.table.is_some() && place::is_measured(beside, [].iter());
+    args.magnitude
+        .state(&mut ingested.document, |recording| Some(&recording.id) == added_id.as_ref() && !measured)?;
     ingested.document.history.push(PROGRAM.entry(arguments, added));
     let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
     let table = ingested.table.as_ref().map(|table| folder.join(&table.path));

@@ -15,7 +15,7 @@ pub struct AtPlace {
     /// Where it was recorded: degrees north and east, metres above the ellipsoid; a model of the Earth's field tells the field there
     #[arg(long, value_name = "LAT,LON,HEIGHT", allow_hyphen_values = true, value_parser = place)]
     pub place: Option<Place>,
-    /// When, where the recording has no `start`: 2026-11-30, or RFC 3339
+    /// When, in place of the recording's `start`: 2026-11-30, or RFC 3339 with its zone
     #[arg(long, requires = "place", value_parser = date)]
     pub date: Option<String>,
     /// The model [default: igrf14]
@@ -77,15 +77,24 @@ impl AtPlace {
 }
 
 impl KnownMagnitude {
-    /// States the magnitude, `conditions.magnitude_nt`, of those recordings of sensors in which no magnitude was
-    /// measured, with where it comes from (`conditions.field_model`).
+    /// States the magnitude, `conditions.magnitude_nt`, of those recordings of sensors in which none was measured,
+    /// with where it comes from (`conditions.field_model`). A place leaves a magnitude that is stated as it is.
     ///
     /// # Errors
     ///
     /// See [`AtPlace::field_nt`].
     pub fn state(&self, document: &mut Document, of: impl Fn(&Recording) -> bool) -> Result<(), Error> {
+        if self.magnitude_std_nt.is_some() && self.magnitude_nt.is_none() && self.at.place.is_none() {
+            let words =
+                "--magnitude-std-nt is the uncertainty of a magnitude: give --magnitude-nt or --place too";
+            return Err(Error::Request(words.into()));
+        }
         for (index, recording) in document.recordings.iter_mut().enumerate() {
-            if is_measured(recording) || !of(recording) {
+            let own = &recording.conditions.extra;
+            let stated = own.contains_key("magnitude_nt") && !own.contains_key("field_model");
+            let keeps = stated && self.magnitude_nt.is_none();
+            let measured = recording.table.is_none() && is_measured(recording.columns.keys(), own.keys());
+            if measured || keeps || !of(recording) {
                 continue;
             }
             let modelled = self.at.field_nt(recording.start(), &format!("recordings[{index}].start"))?;
@@ -114,23 +123,30 @@ impl KnownMagnitude {
     }
 }
 
-/// Whether a recording has a magnitude of its own, or no sensors.
-fn is_measured(recording: &Recording) -> bool {
-    let column = |name: &str| recording.columns.contains_key(name);
+/// Whether columns and conditions have a magnitude, or columns no sensors.
+pub fn is_measured<'a>(
+    columns: impl Iterator<Item = &'a String> + Clone,
+    conditions: impl Iterator<Item = &'a String> + Clone,
+) -> bool {
+    let column = |wanted: &str| columns.clone().any(|name| name == wanted);
     let ambient = |axis: Axis| {
-        let name = format!("ambient_{axis}_nt");
-        column(&name) || recording.conditions.extra.contains_key(&name)
+        let wanted = format!("ambient_{axis}_nt");
+        column(&wanted) || conditions.clone().any(|name| *name == wanted)
     };
-    let sensors = recording.columns.keys().any(|name| name.starts_with("sensor_"));
-    // The columns of a table beside the document are not at hand.
-    recording.table.is_none() && (!sensors || column("reference_nt") || Axis::ALL.into_iter().all(ambient))
+    let sensors = columns.clone().any(|name| name.starts_with("sensor_"));
+    !sensors || column("reference_nt") || Axis::ALL.into_iter().all(ambient)
 }
 
 fn place(text: &str) -> Result<Place, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|part| part.trim().parse().ok()).collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     let wrong = || "expected degrees north, degrees east and metres, such as 47.93,15.87,1087".to_string();
-    let [latitude_deg, longitude_deg, height_m] = numbers[..] else { return Err(wrong()) };
-    let known = latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0 && height_m.abs() < 1e8;
+    let [latitude_deg, longitude_deg, height_m] = numbers.unwrap_or_default()[..] else {
+        return Err(wrong());
+    };
+    if !(-1e4..=2e6).contains(&height_m) {
+        return Err("expected a height in metres, from 10 km below the ellipsoid to 2 000 km above".into());
+    }
+    let known = latitude_deg.abs() <= 90.0 && longitude_deg.abs() <= 360.0;
     if known { Ok(Place { latitude_deg, longitude_deg, height_m }) } else { Err(wrong()) }
 }
 
@@ -140,7 +156,9 @@ fn moment(text: &str) -> Option<Start> {
 }
 
 fn date(text: &str) -> Result<String, String> {
-    moment(text).map(|_| text.into()).ok_or_else(|| "expected a date such as 2026-11-30".into())
+    moment(text).map(|_| text.into()).ok_or_else(|| {
+        "expected a date such as 2026-11-30, or a moment with its zone such as 2026-11-30T12:00:00Z".into()
+    })
 }
 
 fn model(name: String) -> Model {
@@ -173,7 +191,7 @@ mod tests {
 
     #[test]
     fn what_is_no_place_and_no_date_of_the_model_is_refused() {
-        for text in ["47.93,15.87", "97,0,0", "a,b,c", ""] {
+        for text in ["47.93,15.87", "97,0,0", "47.93N,15.87,10.0,1087", "0,0,-6378137", ""] {
             assert!(place(text).is_err(), "{text}");
         }
         assert!(date("30.11.2026").is_err());

@@ -1,7 +1,7 @@
 //! What is assumed of the sensors where rotations do not determine it: limits, or values taken as they are.
 
 use clap::Args;
-use common::{Axis, Code, Document, Error, Finding, OneOrEach, Quantity};
+use common::{Axis, Calibration, Code, Document, Error, Finding, OneOrEach, Quantity};
 use physics::Unit;
 use program::number;
 
@@ -11,10 +11,10 @@ use crate::read;
 #[derive(Args, Clone, Debug, Default, PartialEq)]
 pub struct Assumed {
     /// Scale factors are within this many percent of what is stated, or of nominal
-    #[arg(long, value_name = "PERCENT", value_parser = number::positive)]
+    #[arg(long, value_name = "PERCENT", value_parser = within::<50>)]
     pub scales_within: Option<f64>,
     /// Angles between the sensors are within this many degrees of what is stated, or of 90°
-    #[arg(long, value_name = "DEGREES", value_parser = number::positive)]
+    #[arg(long, value_name = "DEGREES", value_parser = within::<30>)]
     pub angles_within: Option<f64>,
     /// Determine offsets alone; scale factors and angles are taken as they are stated, or as nominal
     #[arg(long, value_parser = ["offsets"], conflicts_with_all = ["scales_within", "angles_within"])]
@@ -38,10 +38,7 @@ impl Assumed {
     /// # Errors
     ///
     /// Readings in volts without a nominal sensitivity.
-    pub fn state(&self, document: &mut Document) -> Result<Option<Finding>, Error> {
-        if !self.is_any() {
-            return Ok(None);
-        }
+    pub fn state(&self, document: &mut Document) -> Result<Finding, Error> {
         let uniform = |limit: f64| limit / 3.0_f64.sqrt();
         let taken = self.only.is_some();
         let scale =
@@ -66,11 +63,45 @@ impl Assumed {
             taken.then(|| "scale factors and angles between the sensors are as stated, or nominal, without uncertainty".into()),
         ];
         let limits: Vec<String> = limits.into_iter().flatten().collect();
-        Ok(Some(Code::CalibrationAssumed.said(format!(
+        Ok(Code::CalibrationAssumed.said(format!(
             "assumed: {}; where that is wrong, so are the offsets, by more than their uncertainty",
             limits.join(", ")
-        ))))
+        )))
     }
+
+    /// Scale factors and angles that were taken as they are come back as they were, without uncertainty.
+    ///
+    /// # Errors
+    ///
+    /// Readings that contradict them.
+    pub fn taken_back(&self, mut found: Document, before: Option<Calibration>) -> Result<Document, Error> {
+        let taken = self.only.is_some();
+        let Some(calibration) = found.calibration.as_mut().filter(|_| taken) else { return Ok(found) };
+        let scalar = calibration.scalar.as_ref();
+        let is_contradicted =
+            |(_, code, _): (&str, Option<Code>, &str)| code == Some(Code::PriorContradicted);
+        if scalar.is_some_and(|scalar| scalar.findings.coded().any(is_contradicted)) {
+            let words = "the readings contradict the scale factors and angles that --only offsets takes as they are: the offsets would be wrong by more than their uncertainty. Give what is known of the sensors in their place, as in --scales-within 2 --angles-within 1";
+            return Err(Error::Unanswerable(words.into()));
+        }
+        for axis in Axis::ALL {
+            let earlier = before.as_ref().and_then(|before| before.sensor(axis));
+            let Some(sensor) = calibration.sensors.get_or_insert_default().entry(axis) else { continue };
+            sensor.sensitivity_nt_per_v = earlier.and_then(|earlier| earlier.sensitivity_nt_per_v.clone());
+            sensor.sensitivity_nt_per_nt = earlier.and_then(|earlier| earlier.sensitivity_nt_per_nt.clone());
+            (sensor.covariance, sensor.covariance_order) = (None, None);
+        }
+        let earlier = before.and_then(|before| before.axes).and_then(|axes| axes.sensors);
+        calibration.axes.get_or_insert_default().sensors = earlier;
+        Ok(found)
+    }
+}
+
+/// A number above zero, up to one beyond which the fit is not linear over it.
+fn within<const MOST: u8>(text: &str) -> Result<f64, String> {
+    let number = number::positive(text)?;
+    let fits = number <= f64::from(MOST);
+    if fits { Ok(number) } else { Err(format!("found {text}; expected a number up to {MOST}")) }
 }
 
 /// Gives the sensitivities this relative standard uncertainty.
@@ -80,7 +111,7 @@ fn scales(document: &mut Document, relative: f64, taken: bool) -> Result<(), Err
     let unit = unit.unwrap_or(Unit::Volt);
     for axis in Axis::ALL {
         let Some(value) = read::sensitivity(document, unit, axis) else {
-            let expected = "the nT of a volt, of which the scale factors are within a limit";
+            let expected = "the nT of a volt, from which scale factors are taken";
             return Err(Error::document("instrument.nominal_sensitivity_nt_per_v", "none", expected));
         };
         let sensors = document.calibration.get_or_insert_default().sensors.get_or_insert_default();

@@ -73,16 +73,33 @@ use solved::Solved;
 /// No recording that can be used; rotations that do not determine the calibration, in words; a second run
 /// with --known on recordings from which what is known was found.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
-    options.magnitude.state(&mut document, read::is_free)?;
-    let assumed = options.assumed.state(&mut document)?;
-    let fit = FitOptions { known: options.fit.known || assumed.is_some(), ..options.fit.clone() };
+    let measured = document.recordings.iter().any(|one| one.columns.contains_key("reference_nt"));
+    options.magnitude.state(&mut document, |recording| !measured && read::is_free(recording))?;
+    if !options.assumed.is_any() {
+        return adopted(document, Vec::new(), options);
+    }
+    // Readings that are variations about a main field have an answer of their own, without limits.
     let gathered = joined::gathered(&document)?;
-    let told =
-        assumed.into_iter().chain(gathered.iter().flat_map(|gathered| gathered.told.clone())).collect();
-    adopted(document, gathered, told, &Options { fit, ..options.clone() }).map_err(words::failed)
+    let read = gathered.as_ref().map_or(&document, |gathered| &gathered.document);
+    if let Some(found) = variations::calibrated(read, options)? {
+        document.calibration = found.calibration;
+        return Ok(document);
+    }
+    let before = document.calibration.clone();
+    let told = options.assumed.state(&mut document)?;
+    let fit = FitOptions { known: true, ..options.fit.clone() };
+    let found = adopted(document, vec![told], &Options { fit, ..options.clone() })?;
+    options.assumed.taken_back(found, before)
 }
 
-fn adopted(
+fn adopted(document: Document, told: Vec<Finding>, options: &Options) -> Result<Document, Error> {
+    let gathered = joined::gathered(&document)?;
+    let joined = gathered.iter().flat_map(|gathered| gathered.told.clone());
+    let told = told.into_iter().chain(joined).collect();
+    calibrate(document, gathered, told, options).map_err(words::failed)
+}
+
+fn calibrate(
     mut document: Document,
     gathered: Option<Gathered>,
     told: Vec<Finding>,
@@ -100,7 +117,7 @@ fn adopted(
     };
     if options.fit.known && result::earlier(&document, &solved) {
         let found = "a calibration by scalarcal from the same recordings";
-        let expected = "one from another source: with --known each reading would count twice; use the document from before that run";
+        let expected = "one from another source: with it as a prior each reading would count twice; use the document from before that run";
         return Err(Error::document("calibration.scalar.recordings", found, expected));
     }
     solved.scalar.findings.prepend(told);
@@ -115,7 +132,8 @@ fn adopted(
 /// the calibration away from it is known, show the body's iron as well.
 fn calibrated(document: &Document, options: &Options) -> Result<(Solved, Vec<Series>), Error> {
     let [on_body, away] = body::mounted(document);
-    let known = on_body && options.fit.known;
+    // Limits are none of the sensors' own calibration.
+    let known = on_body && options.fit.known && !options.assumed.is_any();
     if !on_body || !(away || known) {
         let (mut solved, series) = by_field(document, options)?;
         solved.scalar.includes_body = !away;

@@ -135,19 +135,28 @@ fn unlike(series: &mut Vec<Series>) -> Option<Finding> {
     })
 }
 
+/// Relative uncertainties of magnitudes that differ by less are one.
+const ALIKE: f64 = 0.05;
+
 /// Relative standard uncertainty of a stated magnitude.
 ///
 /// Errors: magnitudes that are stated with an uncertainty beside another reference, or several: each would
 /// need a scale of its own.
 fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
-        let stated = document.recordings[one.index].conditions.extra.get(crate::read::MAGNITUDE)?;
+        let conditions = &document.recordings[one.index].conditions.extra;
+        let stated = conditions.get(crate::read::MAGNITUDE).filter(|_| one.source == Source::Stated)?;
         let quantity = serde_json::from_value::<common::Quantity>(stated.clone()).ok()?;
-        Some((quantity.value(), quantity.relative_std()?))
+        // What a model lacks is common to all days: the same share of other magnitudes.
+        let value = if conditions.contains_key("field_model") { 0.0 } else { quantity.value() };
+        Some((value, quantity.relative_std()?))
     };
     let stated: Vec<Option<(f64, f64)>> = series.iter().map(of).collect();
     let Some(first) = stated.iter().flatten().next().copied() else { return Ok(None) };
-    if let Some(other) = stated.iter().position(|one| *one != Some(first)) {
+    let same = |one: &Option<(f64, f64)>| {
+        one.is_some_and(|(value, share)| value == first.0 && (share / first.1 - 1.0).abs() < ALIKE)
+    };
+    if let Some(other) = stated.iter().position(|one| !same(one)) {
         let path = format!("{}.conditions.{}", series[other].path(), crate::read::MAGNITUDE);
         let found = "a magnitude stated with an uncertainty, and recordings with a different magnitude";
         let expected = "one magnitude for all recordings, or none with an uncertainty; otherwise calibrate them one by one";

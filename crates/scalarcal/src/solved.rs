@@ -251,7 +251,7 @@ fn message(given: &Given, model: &Model, jacobian: &Mat<f64>, rows: &Rows<'_>, s
     let remedy = remedy.split(": this would determine").next().unwrap_or_default();
     let known = match (given.prior.is_empty(), given.known) {
         (true, _) => {
-            "state prior values of the sensors with their uncertainty under `calibration`, and give --known (of a document, --scales-within and --angles-within give limits, --only offsets takes them as stated)"
+            "state prior values of the sensors with their uncertainty under `calibration`, and give --known; limits of scale factors and angles can be given with --scales-within and --angles-within"
         }
         (false, false) => "give --known, which uses the stated calibration of the sensors as a prior",
         (false, true) => {

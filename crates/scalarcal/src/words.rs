@@ -56,7 +56,9 @@ pub fn summary(document: &Document) -> String {
         let value = uncertain(*value, *std);
         let is_size = ["sensitivity", "magnitude"].iter().any(|size| name.starts_with(size));
         let value = if is_size { value } else { signed(&value) };
-        lines.push(format!("{name}: {value} {unit}{}", with.unwrap_or_default()));
+        // The unit of an effect's parameter stands in its name.
+        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+        lines.push(format!("{name}: {value}{unit}{}", with.unwrap_or_default()));
     }
     if let Some(weakest) = &scalar.weakest {
         let std = weakest.std_nt.map(|std| format!(" (± {} nT)", significant(std, 2))).unwrap_or_default();

@@ -247,7 +247,8 @@ impl<'a> Search<'a> {
         let least = |a: (f64, Vec<usize>), b: (f64, Vec<usize>)| {
             if b.0.total_cmp(&a.0).then_with(|| b.1.cmp(&a.1)).is_lt() { b } else { a }
         };
-        let none = || (f64::INFINITY, vec![0, 1, 2]);
+        // Whatever is compared with it comes first, undetermined directions too.
+        let none = || (f64::INFINITY, vec![usize::MAX]);
         let mut best = triples.into_par_iter().map(|triple| scored(triple.into())).reduce(none, least).1;
         while best.len() < MOST_SETTINGS {
             let with = |candidate: usize| scored(best.iter().copied().chain([candidate]).collect());

@@ -89,4 +89,8 @@ fn temperatures_count_and_a_target_out_of_reach_is_refused() {
     let request = Request { target_arcsec: 0.5, confidence: 0.95, coils: false };
     let refused = design::plan(&given, &cube_rotations(), request).expect_err("out of reach").to_string();
     assert!(refused.contains("0.5\" for the sensors") && refused.contains("out of reach"), "{refused}");
+    // Theodolites by which nothing is determined end the search too.
+    given.theodolite_arcsec = 1e12;
+    let refused = design::plan(&given, &cube_rotations(), request).expect_err("undetermined").to_string();
+    assert!(refused.contains("out of reach"), "{refused}");
 }

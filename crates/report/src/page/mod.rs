@@ -16,5 +16,5 @@ pub mod text;
 pub mod words;
 
 pub use model::{Effect, Finding, Item, Link, Page, Place, Section, Target};
-pub use places::link;
+pub use places::{diagnosis, link};
 pub use table::{Cell, Header, Table};

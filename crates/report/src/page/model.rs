@@ -54,8 +54,8 @@ pub struct Place {
 pub enum Target {
     /// An interval between two `time_s`: of the recording, of the earliest of several.
     Interval(Vec<String>, [f64; 2]),
-    /// An effect that can be switched off in a plot, by its name there.
-    Effect(String),
+    /// An effect that can be switched off in a plot, by the number of its diagnosis and its name.
+    Effect(usize, String),
     /// A section, by its id.
     Section(String),
 }

@@ -29,8 +29,8 @@ struct Ways {
     effects: Vec<(String, String)>,
     /// Intervals that are spoken of, by their recordings, in its time.
     marks: Vec<(String, Interval)>,
-    /// Effects that are spoken of, with the ids of the words.
-    speaking: Vec<(String, String)>,
+    /// Effects that are spoken of, by number of the diagnosis and name, with the ids of the words.
+    speaking: Vec<(usize, String, String)>,
 }
 
 /// Gives words that speak of a place an id and a link to the plot that shows it. Plots of one recording mark its
@@ -43,7 +43,8 @@ pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<Str
         let id = format!("place-{}", number + 1);
         place.link = match &place.of {
             Target::Section(section) => Some(Link { to: section.clone(), ..Link::default() }),
-            Target::Effect(name) => ways.effect(name, id),
+            Target::Effect(number, name) => ways.effect(*number, name, id),
+            Target::Interval(_, time_s) if !time_s.iter().all(|time| time.is_finite()) => None,
             Target::Interval(recordings, time_s) => {
                 earliest(recordings).and_then(|recording| ways.interval(recording, *time_s, words, id))
             }
@@ -54,22 +55,28 @@ pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<Str
 
 impl Ways {
     /// Knows a plot, and puts it into its group.
-    fn add(&mut self, plot: &mut Plot) {
+    fn add(&mut self, plot: &Plot) {
         self.effects.extend(plot.toggles.iter().map(|toggle| (toggle.name.clone(), plot.id.clone())));
         let ends = number::ends(plot.series.iter().flat_map(|series| &series.points).map(|point| point.x));
-        let (Some(time), Some(ends)) = (&mut plot.time, ends) else { return };
+        let (Some(time), Some(ends)) = (&plot.time, ends) else { return };
         let ends = ends.map(|end| time.moment(end * time.unit_s));
-        let mut shown = Shown { time: time.clone(), ends, plot: plot.id.clone() };
-        if let Some(known) = self.shown.iter().find(|known| known.is_beside(&shown)) {
-            shown.time.group.clone_from(&known.time.group);
-        }
-        time.group.clone_from(&shown.time.group);
+        let shown = Shown { time: time.clone(), ends, plot: plot.id.clone() };
+        // It may bridge several groups, which become the first of them.
+        let beside = self.shown.iter().filter(|known| known.is_beside(&shown));
+        let groups: Vec<String> = beside.map(|known| known.time.group.clone()).collect();
         self.shown.push(shown);
+        let Some(first) = groups.first() else { return };
+        let own = self.shown.len() - 1;
+        for (number, known) in self.shown.iter_mut().enumerate() {
+            if number == own || groups.contains(&known.time.group) {
+                known.time.group.clone_from(first);
+            }
+        }
     }
 
-    fn effect(&mut self, name: &str, id: String) -> Option<Link> {
-        let (_, plot) = self.effects.iter().find(|(known, _)| known == name)?;
-        self.speaking.push((name.into(), id.clone()));
+    fn effect(&mut self, number: usize, name: &str, id: String) -> Option<Link> {
+        let (_, plot) = self.effects.iter().find(|(known, plot)| known == name && is_of(plot, number))?;
+        self.speaking.push((number, name.into(), id.clone()));
         Some(Link { id: Some(id), to: plot.clone(), shown: None })
     }
 
@@ -87,14 +94,29 @@ impl Ways {
     /// Marks in a plot what is spoken of.
     fn mark(&self, plot: &mut Plot) {
         for toggle in &mut plot.toggles {
-            toggle.id = self.speaking.iter().find(|(name, _)| *name == toggle.name).map(|(_, id)| id.clone());
+            let speaks = |(number, name, _): &&(usize, String, String)| {
+                *name == toggle.name && is_of(&plot.id, *number)
+            };
+            toggle.id = self.speaking.iter().find(speaks).map(|(.., id)| id.clone());
         }
-        let Some(Timeline { recording, unit_s, .. }) = &plot.time else { return };
+        let Some(Timeline { recording, unit_s, group, .. }) = &mut plot.time else { return };
+        if let Some(shown) = self.shown.iter().find(|shown| shown.plot == plot.id) {
+            group.clone_from(&shown.time.group);
+        }
         let own = self.marks.iter().filter(|(of, _)| of == recording);
         plot.marks = own
-            .map(|(_, mark)| Interval { from: mark.from / unit_s, to: mark.to / unit_s, ..mark.clone() })
+            .map(|(_, mark)| Interval { from: mark.from / *unit_s, to: mark.to / *unit_s, ..mark.clone() })
             .collect();
     }
+}
+
+/// The beginning of the ids of a diagnosis' plots.
+pub fn diagnosis(number: usize) -> String {
+    format!("residual-{number}")
+}
+
+fn is_of(plot: &str, number: usize) -> bool {
+    plot.strip_prefix(&diagnosis(number)).is_some_and(|rest| rest.starts_with('-'))
 }
 
 /// Words that a plot has room for.
@@ -141,13 +163,13 @@ mod tests {
         for recording in ["night", "day"] {
             table.rows.push(vec![Cell::Placed("a gap".into(), Place::new(recording, [7200.0, 10_800.0]))]);
         }
-        for target in [Target::Effect("a lag".into()), Target::Section("s".into())] {
+        for target in [Target::Effect(1, "a lag".into()), Target::Section("s".into())] {
             table.rows.push(vec![Cell::Placed("words".into(), target.into())]);
         }
         let time = Timeline { recording: "day".into(), group: "day".into(), unit_s: 3600.0, epoch_s: None };
         let toggle = |name: &str| Toggle { name: name.into(), ..Toggle::default() };
         let toggles = vec![toggle("a step"), toggle("a lag")];
-        let plot = Plot { time: Some(time), toggles, ..Plot::new("p", "P") };
+        let plot = Plot { time: Some(time), toggles, ..Plot::new("residual-1-1", "P") };
         let plot = plot.with(Series::points("field", 0, &[0.0, 24.0], &[0.0; 2]));
         section.items.extend([Item::Table(table), Item::Plot(Box::new(plot))]);
         let mut sections = [section];
@@ -160,7 +182,8 @@ mod tests {
             _ => None,
         };
         let links: Vec<Option<String>> = table.rows.iter().map(link).collect();
-        assert_eq!(links, [None, Some("p".into()), Some("p".into()), Some("s".into())]);
+        let plot_id = || Some("residual-1-1".to_string());
+        assert_eq!(links, [None, plot_id(), plot_id(), Some("s".into())]);
         let ids: Vec<Option<&str>> = plot.toggles.iter().map(|toggle| toggle.id.as_deref()).collect();
         assert_eq!(ids, [None, Some("place-3")]);
         let mark = Interval { name: "a gap".into(), from: 2.0, to: 3.0, id: "place-2".into() };
@@ -181,6 +204,8 @@ mod tests {
                 plot("first", Some(9.0 * day_s)),
                 plot("late", Some(9.5 * day_s)),
                 plot("next", Some(10.6 * day_s)),
+                plot("far", Some(12.0 * day_s)),
+                plot("bridge", Some(11.3 * day_s)),
                 plot("undated", None),
             ],
             ..Section::default()
@@ -188,6 +213,6 @@ mod tests {
         link(&mut sections, |_| None);
         let group = |item: &mut Item| drawn(item).and_then(|plot| Some(plot.time.as_ref()?.group.clone()));
         let groups: Vec<_> = items(&mut sections).filter_map(group).collect();
-        assert_eq!(groups, ["first", "first", "next", "undated"]);
+        assert_eq!(groups, ["first", "first", "next", "next", "next", "undated"]);
     }
 }

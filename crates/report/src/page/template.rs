@@ -250,8 +250,8 @@ pub fn environment() -> Environment<'static> {
     environment.add_filter("unit", |name: String| words::key(&name).1);
     environment.add_filter("std_of", std_of);
     environment.add_filter("at", at);
-    environment.add_filter("explained", |name: String| {
-        Value::from_object(Cell::Placed(name.clone(), Target::Effect(name).into()))
+    environment.add_filter("explained", |name: String, diagnosis: usize| {
+        Value::from_object(Cell::Placed(name.clone(), Target::Effect(diagnosis, name).into()))
     });
     environment.add_filter("label", |effect: Value| {
         ExplainedEffect::deserialize(effect).map(|effect| effect.label())

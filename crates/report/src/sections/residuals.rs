@@ -100,7 +100,9 @@ fn toggles(plot: &Plot, after: &str, series: &ResidualSeries, diagnosis: Option<
     let Some(number) = plot.series.iter().position(|one| one.name == after) else { return Vec::new() };
     let held_out = |name: &str| {
         let of = diagnosis?;
-        let gain = of.effects.iter().find(|effect| effect.label() == name)?.held_out_gain_nt;
+        // Those of one label are switched off together.
+        let own = of.effects.iter().filter(|effect| effect.label() == name);
+        let gain: f64 = own.map(|effect| effect.held_out_gain_nt).sum();
         Some(of.fit.as_ref()?.held_out_after_nt + gain)
     };
     let toggle = |(name, y): (&String, &Vec<f64>)| Toggle {
@@ -163,7 +165,7 @@ fn one(axis: Axis, series: &ResidualSeries, recording: Option<&Recording>) -> Ve
 pub fn of_diagnosis(all: &mut Plots, document: &Document) {
     for (index, diagnosis) in document.diagnosis.iter().flatten().enumerate() {
         let drawn = |(number, series)| {
-            let id = format!("residual-{}-{}", index + 1, number + 1);
+            let id = format!("{}-{}", crate::page::diagnosis(index + 1), number + 1);
             residuals(id, series, diagnosis, document)
         };
         let mut series = diagnosis.series.iter().enumerate().map(drawn);

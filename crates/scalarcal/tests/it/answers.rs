@@ -1,9 +1,13 @@
 //! What is found and said of sensors that are turned in a field.
 
-use common::{Axis, Calibration, Noise, NoiseOfSensors, Quantity};
+use common::{Axis, Calibration, Noise, NoiseOfSensors, Quantity, Recording};
+use mainfield::Place;
+use program::place::AtPlace;
 use scalarcal::Options;
 
-use crate::build::{Campaign, Turns, change, constants, findings, found, near, run, scalar, told};
+use crate::build::{
+    Campaign, MAGNITUDE_NT, Turns, change, constants, findings, found, near, run, scalar, told,
+};
 
 /// Options of which one is set.
 fn with(set: impl FnOnce(&mut Options)) -> Options {
@@ -46,6 +50,70 @@ fn a_biased_reference_is_said_and_fitted() {
     let fitted = run(campaign.document(1), &with(|options| options.fit.reference_offset = true));
     near(&found(&fitted), &[campaign.truth().as_slice(), &[20.0]].concat());
     assert_eq!(findings(&fitted), "");
+}
+
+/// A place and limits, as options of the command.
+#[test]
+fn what_is_assumed_is_where_nothing_better_is_known() {
+    let at = |latitude_deg: f64| AtPlace {
+        place: Some(Place { latitude_deg, longitude_deg: 15.87, height_m: 400.0 }),
+        date: Some("2024-03-10".into()),
+        field_model: None,
+    };
+    let placed = with(|options| options.magnitude.at = at(47.93));
+    let campaign = Campaign { varies: 0.0, ..Campaign::default() };
+    let plain = found(&run(campaign.document(1), &Options::default()));
+    // A scalar magnetometer beside the sensors, or in a recording of its own, is better than a place.
+    let mut apart = campaign.document(1);
+    let mut scalar = apart.recordings[0].clone();
+    scalar.id = "scalar".into();
+    scalar.columns.retain(|name, _| ["time_s", "reference_nt"].contains(&name.as_str()));
+    apart.recordings[0].columns.shift_remove("reference_nt");
+    let alone = apart.clone();
+    apart.recordings.push(scalar);
+    for document in [campaign.document(1), apart] {
+        assert_eq!(found(&run(document, &placed))[0].1, plain[0].1);
+    }
+    // Two days of one place have one common error; a magnitude that is stated stays.
+    let mut days = alone.clone();
+    days.recordings.push(Recording { id: "later".into(), ..alone.recordings[0].clone() });
+    days.recordings[1].conditions.extra.insert("magnitude_nt".into(), 48_000.into());
+    days.recordings[1].conditions.extra.insert("field_model".into(), "an earlier day".into());
+    let two = run(days, &placed);
+    assert!(found(&two)[0].1 > 10.0, "{:?}", found(&two));
+    let mut stated = alone.clone();
+    stated.recordings[0].conditions.extra.insert("magnitude_nt".into(), 48_000.into());
+    let kept = &run(stated, &placed).recordings[0].conditions.extra["magnitude_nt"];
+    assert_eq!(kept, &serde_json::json!(48_000));
+}
+
+/// Offsets alone: of sensors that are nominal, and of others, whose readings contradict it.
+#[test]
+fn offsets_alone() {
+    let mut only = with(|options| options.assumed.only = Some("offsets".into()));
+    only.magnitude.magnitude_nt = Some(MAGNITUDE_NT);
+    let nominal = Campaign {
+        sensitivity: [6400.0; 3],
+        angles: [0.0; 3],
+        varies: 0.0,
+        turns: Turns::Poor,
+        ..Campaign::default()
+    };
+    let without = |campaign: &Campaign| {
+        let mut document = campaign.document(1);
+        document.recordings[0].columns.shift_remove("reference_nt");
+        document.instrument.get_or_insert_default().nominal_sensitivity_nt_per_v = Some(6400.0);
+        document
+    };
+    let document = run(without(&nominal), &only);
+    near(&found(&document)[3..6], &nominal.truth()[3..6]);
+    let calibration = document.calibration.as_ref().expect("a calibration");
+    let sensor = calibration.sensor(Axis::X).expect("a sensor");
+    assert_eq!((&sensor.sensitivity_nt_per_v, sensor.offset_nt.is_some()), (&None, true));
+    assert!(calibration.axes.as_ref().is_none_or(|axes| axes.sensors.is_none()));
+    let other = Campaign { sensitivity: [6440.0, 6360.0, 6420.0], ..nominal };
+    let refused = scalarcal::run(without(&other), &only).expect_err("contradicted").to_string();
+    assert!(refused.contains("--scales-within 2 --angles-within 1"), "{refused}");
 }
 
 #[test]
