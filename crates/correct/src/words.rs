@@ -2,6 +2,7 @@
 
 use common::number::{counted, figures, plural, significant, uncertain};
 use common::{Axis, Document, Quantity, Recording};
+use estimate::stats::median_of;
 
 use crate::flags::MEANINGS;
 use crate::{Corrected, Frame};
@@ -96,13 +97,12 @@ fn magnitude(recording: &Recording, names: &[String]) -> Option<String> {
     let [x, y, z] = [0, 1, 2].map(|k| recording.column(&names[k]).unwrap_or_default());
     let lengths = x.iter().zip(y).zip(z).map(|((x, y), z)| x.hypot(*y).hypot(*z));
     let mut lengths: Vec<f64> = lengths.filter(|length| length.is_finite()).collect();
-    let middle = lengths.len().checked_sub(1)? / 2;
-    let (_, median, _) = lengths.select_nth_unstable_by(middle, f64::total_cmp);
+    let median = (!lengths.is_empty()).then(|| median_of(&mut lengths))?;
     let source = recording.conditions.extra.get("field_model").and_then(serde_json::Value::as_str);
     Some(format!(
         "\"{}\": |B| is {} nT in the median; {} nT by {}",
         recording.id,
-        significant(*median, 6),
+        significant(median, 6),
         stated.std().map_or(significant(stated.value(), 6), |std| uncertain(stated.value(), std)),
         source.unwrap_or("what is stated")
     ))

@@ -93,7 +93,9 @@ impl KnownMagnitude {
             let own = &recording.conditions.extra;
             let stated = own.contains_key("magnitude_nt") && !own.contains_key("field_model");
             let keeps = stated && self.magnitude_nt.is_none();
-            let measured = recording.table.is_none() && is_measured(recording.columns.keys(), own.keys());
+            // The columns of a table beside the document may not be at hand.
+            let columns = recording.columns.keys();
+            let measured = columns.len() > 0 && is_measured(columns, own.keys());
             if measured || keeps || !of(recording) {
                 continue;
             }

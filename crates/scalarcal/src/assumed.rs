@@ -21,8 +21,10 @@ pub struct Assumed {
     pub only: Option<String>,
 }
 
-/// Of what is taken as it is: the relative standard uncertainty of a scale factor, and that of an angle, arcsec.
-const TAKEN: [f64; 2] = [1e-7, 1e-2];
+/// Standard uncertainty of a scale factor that is taken as it is, relative, small beside any that is measured.
+const TAKEN_SCALE_STD: f64 = 1e-7;
+/// That of an angle, arcsec.
+const TAKEN_ANGLE_STD_ARCSEC: f64 = 1e-2;
 const ARCSEC_PER_DEG: f64 = 3600.0;
 
 impl Assumed {
@@ -42,9 +44,9 @@ impl Assumed {
         let uniform = |limit: f64| limit / 3.0_f64.sqrt();
         let taken = self.only.is_some();
         let scale =
-            if taken { Some(TAKEN[0]) } else { self.scales_within.map(|limit| uniform(0.01 * limit)) };
+            if taken { Some(TAKEN_SCALE_STD) } else { self.scales_within.map(|limit| uniform(0.01 * limit)) };
         let limit = self.angles_within.map(|limit| uniform(limit * ARCSEC_PER_DEG));
-        let angle = if taken { Some(TAKEN[1]) } else { limit };
+        let angle = if taken { Some(TAKEN_ANGLE_STD_ARCSEC) } else { limit };
         if let Some(relative) = scale {
             scales(document, relative, taken)?;
         }
@@ -74,7 +76,7 @@ impl Assumed {
     /// # Errors
     ///
     /// Readings that contradict them.
-    pub fn taken_back(&self, mut found: Document, before: Option<Calibration>) -> Result<Document, Error> {
+    pub fn restored(&self, mut found: Document, before: Option<Calibration>) -> Result<Document, Error> {
         let taken = self.only.is_some();
         let Some(calibration) = found.calibration.as_mut().filter(|_| taken) else { return Ok(found) };
         let scalar = calibration.scalar.as_ref();

@@ -89,7 +89,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
     let told = options.assumed.state(&mut document)?;
     let fit = FitOptions { known: true, ..options.fit.clone() };
     let found = adopted(document, vec![told], &Options { fit, ..options.clone() })?;
-    options.assumed.taken_back(found, before)
+    options.assumed.restored(found, before)
 }
 
 fn adopted(document: Document, told: Vec<Finding>, options: &Options) -> Result<Document, Error> {

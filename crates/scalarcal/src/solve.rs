@@ -135,7 +135,7 @@ fn unlike(series: &mut Vec<Series>) -> Option<Finding> {
     })
 }
 
-/// Relative uncertainties of magnitudes that differ by less are one.
+/// Share by which the relative uncertainties of a model's magnitudes at one place differ at most.
 const ALIKE: f64 = 0.05;
 
 /// Relative standard uncertainty of a stated magnitude.
@@ -147,16 +147,15 @@ fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64
         let conditions = &document.recordings[one.index].conditions.extra;
         let stated = conditions.get(crate::read::MAGNITUDE).filter(|_| one.source == Source::Stated)?;
         let quantity = serde_json::from_value::<common::Quantity>(stated.clone()).ok()?;
-        // What a model lacks is common to all days: the same share of other magnitudes.
-        let value = if conditions.contains_key("field_model") { 0.0 } else { quantity.value() };
-        Some((value, quantity.relative_std()?))
+        Some((quantity.value(), quantity.relative_std()?, conditions.contains_key("field_model")))
     };
-    let stated: Vec<Option<(f64, f64)>> = series.iter().map(of).collect();
+    let stated: Vec<Option<(f64, f64, bool)>> = series.iter().map(of).collect();
     let Some(first) = stated.iter().flatten().next().copied() else { return Ok(None) };
-    let same = |one: &Option<(f64, f64)>| {
-        one.is_some_and(|(value, share)| value == first.0 && (share / first.1 - 1.0).abs() < ALIKE)
+    // What a model lacks is common to all days of a place: the same share of magnitudes that hardly differ.
+    let common = |(value, share, modelled): (f64, f64, bool)| {
+        (value, share) == (first.0, first.1) || (modelled && first.2 && (share / first.1 - 1.0).abs() < ALIKE)
     };
-    if let Some(other) = stated.iter().position(|one| !same(one)) {
+    if let Some(other) = stated.iter().position(|one| !one.is_some_and(common)) {
         let path = format!("{}.conditions.{}", series[other].path(), crate::read::MAGNITUDE);
         let found = "a magnitude stated with an uncertainty, and recordings with a different magnitude";
         let expected = "one magnitude for all recordings, or none with an uncertainty; otherwise calibrate them one by one";

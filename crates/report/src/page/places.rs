@@ -21,39 +21,39 @@ impl Shown {
     }
 }
 
-/// What leads somewhere.
+/// The links of a page, as they are made.
 #[derive(Default)]
-struct Ways {
+struct Links {
     shown: Vec<Shown>,
     /// Effects that can be switched off, with their plots.
     effects: Vec<(String, String)>,
     /// Intervals that are spoken of, by their recordings, in its time.
     marks: Vec<(String, Interval)>,
     /// Effects that are spoken of, by number of the diagnosis and name, with the ids of the words.
-    speaking: Vec<(usize, String, String)>,
+    named: Vec<(usize, String, String)>,
 }
 
 /// Gives words that speak of a place an id and a link to the plot that shows it. Plots of one recording mark its
 /// intervals; plots of recordings that overlap in time become one group. `earliest` tells which of some
 /// recordings began first.
 pub fn link(sections: &mut [Section], earliest: impl Fn(&[String]) -> Option<String>) {
-    let mut ways = Ways::default();
-    items(sections).filter_map(drawn).for_each(|plot| ways.add(plot));
+    let mut links = Links::default();
+    items(sections).filter_map(drawn).for_each(|plot| links.add(plot));
     for (number, (words, place)) in sections.iter_mut().flat_map(placed).enumerate() {
         let id = format!("place-{}", number + 1);
         place.link = match &place.of {
             Target::Section(section) => Some(Link { to: section.clone(), ..Link::default() }),
-            Target::Effect(number, name) => ways.effect(*number, name, id),
+            Target::Effect(number, name) => links.effect(*number, name, id),
             Target::Interval(_, time_s) if !time_s.iter().all(|time| time.is_finite()) => None,
             Target::Interval(recordings, time_s) => {
-                earliest(recordings).and_then(|recording| ways.interval(recording, *time_s, words, id))
+                earliest(recordings).and_then(|recording| links.interval(recording, *time_s, words, id))
             }
         };
     }
-    items(sections).filter_map(drawn).for_each(|plot| ways.mark(plot));
+    items(sections).filter_map(drawn).for_each(|plot| links.mark(plot));
 }
 
-impl Ways {
+impl Links {
     /// Knows a plot, and puts it into its group.
     fn add(&mut self, plot: &Plot) {
         self.effects.extend(plot.toggles.iter().map(|toggle| (toggle.name.clone(), plot.id.clone())));
@@ -76,7 +76,7 @@ impl Ways {
 
     fn effect(&mut self, number: usize, name: &str, id: String) -> Option<Link> {
         let (_, plot) = self.effects.iter().find(|(known, plot)| known == name && is_of(plot, number))?;
-        self.speaking.push((number, name.into(), id.clone()));
+        self.named.push((number, name.into(), id.clone()));
         Some(Link { id: Some(id), to: plot.clone(), shown: None })
     }
 
@@ -97,7 +97,7 @@ impl Ways {
             let speaks = |(number, name, _): &&(usize, String, String)| {
                 *name == toggle.name && is_of(&plot.id, *number)
             };
-            toggle.id = self.speaking.iter().find(speaks).map(|(.., id)| id.clone());
+            toggle.id = self.named.iter().find(speaks).map(|(.., id)| id.clone());
         }
         let Some(Timeline { recording, unit_s, group, .. }) = &mut plot.time else { return };
         if let Some(shown) = self.shown.iter().find(|shown| shown.plot == plot.id) {
