@@ -63,7 +63,8 @@ class Programs(unittest.TestCase):
         self.assertEqual(found["history"][-1]["arguments"], ["--known-coils", "--sensor=x"])
         budget = fluxcal.sensorcal(document("sensorcal/small"), budget_field_nt=[-50000.0, 0.0, 1e4])
         self.assertIn("--budget-field-nt=-50000,0,10000", budget["history"][-1]["arguments"])
-        lean = fluxcal.scalarcal(document("scalarcal/meadow"), drop_recordings=True)
+        lean = fluxcal.scalarcal(document("scalarcal/meadow"), place=(48.1, 11.3, 573), date="2022-08-10", drop_recordings=True)
+        self.assertIn("--place=48.1,11.3,573", lean["history"][-1]["arguments"])
         self.assertEqual(len(lean["recordings"][0]["dropped"]["sha256"]), 64)
         self.assertNotIn("columns", lean["recordings"][0])
 

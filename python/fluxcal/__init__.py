@@ -35,9 +35,11 @@ class Page(str):
         return f'<iframe srcdoc="{escaped}" style="width: 100%; height: 60em; border: 0"></iframe>'
 
 
-def simulate(plan: Document, *, seed: int | None = None) -> dict[str, Any]:
-    """The document that a plan would give."""
-    return call("simulate", "campaign", document=plan, seed=seed)
+def simulate(plan: Document, *, seed: int | None = None, place: Iterable[float] = (), date: str | None = None,
+             field_model: str | None = None) -> dict[str, Any]:
+    """The document that a plan would give; `place` is latitude, longitude and height in metres."""
+    options = {name: value for name, value in locals().items() if name != "plan"}
+    return call("simulate", "campaign", document=plan, **options)
 
 
 def replay(document: Document, *, noise: bool = False, seed: int | None = None) -> dict[str, Any]:
@@ -57,7 +59,8 @@ def effects(effect: str = "") -> str:
 
 def ingest(*files: PathLike, map: Document | None = None, add: Document | None = None, as_: str | None = None, id: str | None = None,
            procedure: str | None = None, keep: str | None = None, sort: bool = False, trust_rows: bool = False,
-           declination_base_arcmin: float | None = None) -> dict[str, Any]:
+           declination_base_arcmin: float | None = None, magnitude_nt: float | None = None, magnitude_std_nt: float | None = None,
+           place: Iterable[float] = (), date: str | None = None, field_model: str | None = None) -> dict[str, Any]:
     """Files of one series as a document; the readings are in it, however many."""
     options = {name: value for name, value in locals().items() if name != "files"}
     return call("ingest", *files, inline=True, **options)
@@ -98,8 +101,11 @@ def design(**options: Any) -> dict[str, Any]:
 
 
 def scalarcal(document: Document, *, known: bool = False, reference_offset: bool = False, windows: float | None = None, robust: bool = False,
-              constant_magnitude: bool = False, vector: bool = False, with_: Iterable[str] = (), drop_recordings: bool = False) -> dict[str, Any]:
-    """Sensitivities, offsets and angles by the magnitude of the field."""
+              constant_magnitude: bool = False, vector: bool = False, with_: Iterable[str] = (), scales_within: float | None = None,
+              angles_within: float | None = None, only: str | None = None, magnitude_nt: float | None = None, magnitude_std_nt: float | None = None,
+              place: Iterable[float] = (), date: str | None = None, field_model: str | None = None,
+              drop_recordings: bool = False) -> dict[str, Any]:
+    """Sensitivities, offsets and angles by the magnitude of the field; `place` is latitude, longitude and height in metres."""
     return call("scalarcal", **locals())
 
 
@@ -134,7 +140,8 @@ def scalarcal_merge(pieces: Iterable[Mapping[str, Any]], **options: Any) -> dict
     return call("scalarcal", "merge", lines=pieces, **options)
 
 
-def correct(document: Document, *, frame: str | None = None) -> dict[str, Any]:
+def correct(document: Document, *, frame: str | None = None, magnitude_nt: float | None = None, magnitude_std_nt: float | None = None,
+            place: Iterable[float] = (), date: str | None = None, field_model: str | None = None) -> dict[str, Any]:
     """The document with the field in each recording. For files and frames see `corrected`."""
     return call("correct", **locals())
 

@@ -76,7 +76,10 @@ def _arguments(options: Mapping[str, Option], folder: Path) -> Iterable[str]:
         if isinstance(value, bool) or value is None:
             yield from [option] if value else []
         elif isinstance(value, Iterable) and not isinstance(value, str):
-            yield from (f"{option}={one}" for one in value)
+            values = list(value)
+            if values and not isinstance(values[0], str):
+                values = [",".join(map(str, values))]
+            yield from (f"{option}={one}" for one in values)
         else:
             yield f"{option}={value}"
 
