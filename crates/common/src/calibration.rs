@@ -3,9 +3,9 @@ use serde_json::value::RawValue;
 
 use crate::uncertainty::joint::Uncertainty;
 use crate::{
-    AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration, Error, Extra,
-    GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration, json, parse,
-    undetermined,
+    AbsoluteCalibration, AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration,
+    Error, Extra, GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration,
+    json, parse, undetermined,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -33,6 +33,9 @@ pub struct Calibration {
     /// The sensors by the magnitude of the field, by scalarcal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scalar: Option<Box<ScalarCalibration>>,
+    /// Absolute measurements and baselines, by absolute.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub absolute: Option<Box<AbsoluteCalibration>>,
     /// The joint uncertainty of all that is calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,

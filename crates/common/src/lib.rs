@@ -19,6 +19,7 @@
 //! `to_line`; none is generic): that is some 600 000 lines of LLVM, which no other crate should compile
 //! again.
 
+mod absolute;
 mod axes;
 mod axis;
 mod calibration;
@@ -56,6 +57,7 @@ pub mod uncertainty;
 mod undetermined;
 pub mod unit;
 
+pub use absolute::*;
 pub use axes::*;
 pub use axis::{Axis, PerAxis};
 pub use calibration::{Calibration, CoilCalibration, ReferenceConditions, calibration_of};

@@ -5,7 +5,7 @@ use std::fmt;
 use crate::column::Unread;
 use crate::number::{bare, counted, quoted};
 use crate::time::Start;
-use crate::{Axis, Column, Error, Extra, Matrix3x3, NoiseOfSensors, range};
+use crate::{Axis, Column, Error, Extra, Matrix3x3, NoiseOfSensors, Quantity, range};
 
 /// Names of the procedures that recordings follow.
 pub mod procedure {
@@ -31,6 +31,10 @@ pub mod procedure {
     pub const AXES_ORIENTATION: &str = "axes_orientation";
     /// Two magnetometers side by side, read by diffmag.
     pub const DIFFERENTIAL: &str = "differential";
+    /// Directions of the field by a theodolite, read by absolute.
+    pub const ABSOLUTE: &str = "absolute";
+    /// Readings of a variometer, read by absolute and correct.
+    pub const VARIOMETER: &str = "variometer";
     /// Any drive and any readings, read by diagnose.
     pub const FREE_RUN: &str = "free_run";
     /// All of them.
@@ -46,6 +50,8 @@ pub mod procedure {
         CROSS_FIELD,
         AXES_ORIENTATION,
         DIFFERENTIAL,
+        ABSOLUTE,
+        VARIOMETER,
         FREE_RUN,
     ];
 }
@@ -254,6 +260,13 @@ pub struct Conditions {
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+impl Conditions {
+    /// A condition of another name that is a number, with its uncertainty where one is stated.
+    pub fn quantity(&self, name: &str) -> Option<Quantity> {
+        serde_json::from_value(self.extra.get(name)?.clone()).ok()
+    }
 }
 
 /// Readings of the two theodolites (NASA eq. 7 to 9): azimuth φ and polar angle θ of the faces that

@@ -28,7 +28,7 @@ fn main() {
                 input_format: None,
                 output: Some(&fields),
                 output_format: None,
-                iaga: None,
+                station: None,
             };
             correct_table(&request).expect("corrected");
         };

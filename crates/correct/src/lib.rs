@@ -11,7 +11,7 @@
 
 mod affine;
 pub mod flags;
-mod iaga;
+mod formats;
 mod known;
 mod noise;
 mod recording;
@@ -19,7 +19,7 @@ mod table;
 mod words;
 
 pub use common::Error;
-pub use iaga::Station;
+pub use formats::{Observatory, Station};
 pub use recording::{Corrected, Corrector};
 pub use table::{Request, correct_table};
 pub use words::{summary, table_summary};

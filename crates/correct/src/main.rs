@@ -3,7 +3,7 @@
 use clap::Parser;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use common::{Document, Recording};
-use correct::{Frame, Request, Station};
+use correct::{Frame, Observatory, Request, Station};
 use ingest::{Mapping, Readings};
 use program::pipe::{self, Input, Io, Program, StageIo};
 use program::place::KnownMagnitude;
@@ -34,7 +34,7 @@ struct Cli {
     frame: Frame,
     /// Correct a table with this document's calibration; DOCUMENT is then a file of readings: .csv, .ndjson or .parquet with the document's
     /// names of columns, IAGA-2002, CDF, or with --map whatever `ingest` reads
-    #[arg(long, value_name = "DOCUMENT", conflicts_with_all = ["magnitude_nt", "place"])]
+    #[arg(long, value_name = "DOCUMENT", conflicts_with_all = ["magnitude_nt", "date", "field_model"])]
     calibration: Option<PathBuf>,
     /// The table was recorded under the conditions of this recording of the document
     #[arg(long, value_name = "ID", requires = "calibration")]
@@ -48,14 +48,39 @@ struct Cli {
     /// Format to write, if the name of the output does not show it
     #[arg(long, value_parser = PossibleValuesParser::new(FORMATS).map(format), requires = "calibration")]
     to: Option<Format>,
-    /// Write IAGA-2002 for this station (three or four letters), in GEO
-    #[arg(long, value_name = "CODE", requires = "calibration", conflicts_with_all = ["to", "frame"])]
-    iaga: Option<String>,
-    /// Time at which time_s is zero (RFC 3339), if the recording does not state it
-    #[arg(long, value_name = "MOMENT", requires = "iaga")]
-    start: Option<String>,
+    #[command(flatten)]
+    station: StationOptions,
     #[command(flatten)]
     magnitude: KnownMagnitude,
+}
+
+/// A format of observatories in place of a table, in GEO.
+#[derive(clap::Args)]
+struct StationOptions {
+    /// Write IAGA-2002 for this station (three or four letters), in GEO; with --place its header has the place
+    #[arg(long, value_name = "CODE", group = "station", requires = "calibration", conflicts_with_all = ["to", "frame"])]
+    iaga: Option<String>,
+    /// The same as minute values for INTERMAGNET, IMFV1.22 (three letters)
+    #[arg(long, value_name = "CODE", group = "station", requires = "calibration", conflicts_with_all = ["to", "frame"])]
+    imf: Option<String>,
+    /// The same as ImagCDF 1.2 (three or four letters)
+    #[arg(long, value_name = "CODE", group = "station", requires = "calibration", conflicts_with_all = ["to", "frame"])]
+    imagcdf: Option<String>,
+    /// Time at which time_s is zero (RFC 3339), if the recording does not state it
+    #[arg(long, value_name = "MOMENT", requires = "station")]
+    start: Option<String>,
+}
+
+impl StationOptions {
+    fn station(&self, place: Option<[f64; 3]>) -> Option<Station<'_>> {
+        let named = [
+            (Observatory::Iaga, &self.iaga),
+            (Observatory::Imf, &self.imf),
+            (Observatory::ImagCdf, &self.imagcdf),
+        ];
+        let (format, code) = named.into_iter().find_map(|(format, code)| Some((format, code.as_deref()?)))?;
+        Some(Station { format, code, start: self.start.as_deref(), place })
+    }
 }
 
 const FORMATS: [&str; 3] = ["csv", "ndjson", "parquet"];
@@ -78,7 +103,7 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let frame = if cli.iaga.is_some() { Frame::Geo } else { cli.frame };
+    let frame = if cli.station.station(None).is_some() { Frame::Geo } else { cli.frame };
     if let Some(calibration) = &cli.calibration {
         return table(cli, calibration, frame);
     }
@@ -106,6 +131,12 @@ fn with_calibration(file: &str) -> String {
 fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
     cli.io.apart([calibration].into_iter().chain(cli.map.as_deref()))?;
     let (text, document) = Input::document(Some(calibration), with_calibration)?;
+    let place = cli.magnitude.at.place.map(|at| [at.latitude_deg, at.longitude_deg, at.height_m]);
+    let station = cli.station.station(place);
+    if place.is_some() && station.is_none() {
+        let words = "--place beside --calibration is for the header of an observatory's file: give --iaga, --imf or --imagcdf too";
+        return Err(common::Error::Request(words.into()).into());
+    }
     let readings = readings(cli)?;
     let request = Request {
         calibration: &document,
@@ -116,7 +147,7 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
         input_format: cli.from,
         output: pipe::named(cli.io.output.as_deref()),
         output_format: cli.to,
-        iaga: cli.iaga.as_deref().map(|code| Station { code, start: cli.start.as_deref() }),
+        station,
     };
     if request.output.is_none() {
         progress::give_way();
@@ -131,8 +162,12 @@ fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
 /// Readings of a file that only `ingest` reads: with a mapping, or in a format that is no table with the document's names.
 fn readings(cli: &Cli) -> anyhow::Result<Option<Recording>> {
     let file = cli.io.file.clone().unwrap_or_else(|| "-".into());
-    if cli.map.is_none() && (cli.from.is_some() || !says_itself(&file)) {
-        return Ok(None);
+    if cli.map.is_none() {
+        match content(&file).filter(|_| cli.from.is_none()) {
+            Some(Content::Document) => return of_document(&file).map(Some),
+            Some(Content::Iaga | Content::Cdf | Content::Iaf) => {}
+            _ => return Ok(None),
+        }
     }
     let read = |map: &PathBuf| {
         let input = Input::read(Some(map))?;
@@ -148,9 +183,24 @@ fn readings(cli: &Cli) -> anyhow::Result<Option<Recording>> {
     Ok(ingested.document.recordings.pop())
 }
 
-/// Whether a file is of a format that says what its columns are.
-fn says_itself(file: &Path) -> bool {
+/// What a file's first bytes say.
+fn content(file: &Path) -> Option<Content> {
     let mut head = Vec::new();
-    let read = File::open(file).and_then(|file| file.take(4096).read_to_end(&mut head));
-    read.is_ok() && matches!(Content::of("", &head), Ok(Content::Iaga | Content::Cdf | Content::Iaf))
+    File::open(file).and_then(|file| file.take(4096).read_to_end(&mut head)).ok()?;
+    Content::of("", &head).ok()
+}
+
+/// The recording of a document with readings of sensors, such as the means that `series` takes.
+fn of_document(file: &Path) -> anyhow::Result<Recording> {
+    let (_, mut document) = Input::document(Some(file), with_calibration)?;
+    document.recordings.retain(|recording| recording.columns.keys().any(|name| name.starts_with("sensor_")));
+    let found = document.recordings.len();
+    document.recordings.pop().filter(|_| found == 1).ok_or_else(|| {
+        let expected = "one; a longer one stands in the file beside it, which is then the file of readings";
+        let words = format!(
+            "{}: found {found} recordings with readings of sensors; expected {expected}",
+            file.display()
+        );
+        common::Error::Request(words).into()
+    })
 }

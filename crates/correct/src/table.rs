@@ -8,7 +8,7 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 use std::thread;
 use tables::{BATCH_ROWS, Batch, Format, Reader, Writer};
 
-use crate::iaga::{IagaWriter, Station};
+use crate::formats::{Station, Written};
 use crate::noise::{self, DAY_S};
 use crate::words::Tally;
 use crate::{Corrected, Corrector, Error, Frame};
@@ -39,14 +39,14 @@ pub struct Request<'a> {
     pub output: Option<&'a Path>,
     /// The format there, where the name does not say it; None: that of the input.
     pub output_format: Option<Format>,
-    /// For whom IAGA-2002 is written instead, which is in [`Frame::Geo`].
-    pub iaga: Option<Station<'a>>,
+    /// For whom a format of observatories is written instead, which is in [`Frame::Geo`].
+    pub station: Option<Station<'a>>,
 }
 
 /// A file that is written.
 enum Sheet {
     Table(Writer),
-    Iaga(IagaWriter),
+    Observatory(Written),
 }
 
 /// Reads a table with `sensor_{x,y,z}_v` or `_nt`, and whatever the model's effects follow, and writes all
@@ -163,8 +163,8 @@ impl Output<'_> {
     }
 
     fn open(&self, recording: &Recording) -> Result<Sheet, Error> {
-        if let Some(station) = self.request.iaga {
-            return Ok(Sheet::Iaga(IagaWriter::create(self.request.output, station, recording)?));
+        if let Some(station) = self.request.station {
+            return Ok(Sheet::Observatory(Written::create(self.request.output, station, recording)?));
         }
         let added = self.request.frame.columns();
         let mut header = self.kept();
@@ -187,7 +187,7 @@ impl Output<'_> {
         };
         let wanted = match &mut sheet {
             Sheet::Table(writer) => self.write_table(writer, recording, corrected)?,
-            Sheet::Iaga(writer) => writer.write(recording, &corrected)?,
+            Sheet::Observatory(writer) => writer.write(recording, &corrected)?,
         };
         self.sheet = wanted.then_some(sheet);
         Ok(wanted)
@@ -222,7 +222,7 @@ impl Output<'_> {
             None => return Ok(self.tally),
         };
         match sheet {
-            Sheet::Iaga(writer) => writer.finish()?,
+            Sheet::Observatory(writer) => writer.finish()?,
             Sheet::Table(writer) => match writer.finish() {
                 Err(error) if !is_closed(&error, self.request.output) => return Err(error),
                 _ => {}
@@ -237,7 +237,8 @@ fn template(request: &Request<'_>) -> Result<Recording, Error> {
     let start = request.readings.and_then(|readings| readings.start.clone());
     let Some(id) = request.recording else {
         let (id, procedure) = ("table".to_string(), procedure::FREE_RUN.to_string());
-        return Ok(Recording { id, procedure, start, ..Recording::default() });
+        let conditions = request.readings.map(|readings| readings.conditions.clone()).unwrap_or_default();
+        return Ok(Recording { id, procedure, start, conditions, ..Recording::default() });
     };
     let found = request.calibration.recordings.iter().find(|recording| recording.id == id);
     let found = found.ok_or_else(|| {

@@ -1,7 +1,7 @@
 //! What people are told.
 
 use common::number::{counted, figures, plural, significant, uncertain};
-use common::{Axis, Document, Quantity, Recording};
+use common::{Axis, Document, Recording};
 use estimate::stats::median_of;
 
 use crate::flags::MEANINGS;
@@ -92,8 +92,7 @@ pub fn summary(document: &Document, frame: Frame) -> String {
 
 /// The usual length of the corrected field beside the magnitude that is stated.
 fn magnitude(recording: &Recording, names: &[String]) -> Option<String> {
-    let stated = recording.conditions.extra.get("magnitude_nt")?;
-    let stated: Quantity = serde_json::from_value(stated.clone()).ok()?;
+    let stated = recording.conditions.quantity("magnitude_nt")?;
     let [x, y, z] = [0, 1, 2].map(|k| recording.column(&names[k]).unwrap_or_default());
     let lengths = x.iter().zip(y).zip(z).map(|((x, y), z)| x.hypot(*y).hypot(*z));
     let mut lengths: Vec<f64> = lengths.filter(|length| length.is_finite()).collect();

@@ -17,6 +17,7 @@ use std::path::Path;
 
 use crate::Error;
 use crate::mapping::{Mapping, SourceColumn};
+use crate::sheets;
 use crate::text::Source;
 
 use sample::Sample;
@@ -32,6 +33,10 @@ pub fn guess(file: &Path, quantity: &str) -> Result<Guess, Error> {
         let name = source.kind.name();
         let expected = format!("CSV, NDJSON or Parquet; {name} needs no mapping: ingest FILE");
         return Err(source.fault(tables::Place::Whole, name, expected));
+    }
+    if let Ok(Some(_)) | Err(_) = sheets::read(&source) {
+        let expected = "CSV, NDJSON or Parquet; absolute measurements need no mapping: ingest FILE";
+        return Err(source.fault(tables::Place::Whole, "absolute measurements", expected));
     }
     of(&source, quantity)
 }

@@ -10,6 +10,7 @@
 //! in parts of a megabyte on all cores; the first fault by line counts. `raw` applies what a mapping says of
 //! values before they are converted (fill values, two's complement, valid range), for all formats alike.
 //! `series` joins pieces, sorting only where they overlap; `recording` makes the document's part of them.
+//! Sheets of absolute measurements are no pieces of a series: `sheets` makes a recording of each.
 //!
 //! A mapping is data (`mapping`, with a schema). `guess` writes one, and also reads a file that has none:
 //! what it would have to guess is then an error. A series is held in memory, since it may have to be sorted.
@@ -34,6 +35,7 @@ mod piece;
 mod raw;
 mod recording;
 mod series;
+mod sheets;
 mod text;
 mod times;
 mod units;
@@ -112,7 +114,7 @@ pub enum Readings {
     Beside(Option<String>),
 }
 
-/// Adds files of one series to a document as a recording.
+/// Adds files of one series to a document as a recording, or sheets of absolute measurements as one each.
 ///
 /// # Errors
 ///
@@ -120,10 +122,22 @@ pub enum Readings {
 /// not stated.
 pub fn run(document: Document, files: &[PathBuf], options: &Options) -> Result<Ingested, Error> {
     let mut pieces = Vec::with_capacity(files.len());
+    let mut sheets = Vec::new();
     for file in files {
         let source = Source::read(file)?;
+        if options.mapping.is_none()
+            && let Some(measured) = sheets::read(&source)?
+        {
+            sheets.extend(measured);
+            continue;
+        }
         let (piece, sha256) = rayon::join(|| read(&source, options), || source.sha256());
         pieces.push(Piece { sha256, ..piece? });
+    }
+    if !sheets.is_empty() {
+        let Some(piece) = pieces.first() else { return sheets::add(document, sheets, options) };
+        let message = "holds no absolute measurement as the other files do; ingest the series by itself, then join both with --add";
+        return Err(Error::Request(format!("{} {message}", piece.shown)));
     }
     let (series, pieces) = series::join(pieces, options.keep, options.sort)?;
     recording::add(document, series, pieces, options)

@@ -56,7 +56,7 @@ struct GuessArgs {
 
 #[derive(Args)]
 struct IngestArgs {
-    /// Files of one series in any order; - is standard input
+    /// Files of one series in any order, or sheets of absolute measurements; - is standard input
     files: Vec<PathBuf>,
     /// How files of columns are read; `ingest guess` writes one
     #[arg(long, value_name = "MAP")]
@@ -160,13 +160,14 @@ fn run(args: IngestArgs) -> anyhow::Result<()> {
         declination_base_arcmin: args.declination_base_arcmin,
         readings,
     };
+    let known = document.recordings.len();
     let mut ingested = ingest::run(document, &args.files, &options)?;
-    let added_id = ingested.document.recordings.last().map(|recording| recording.id.clone());
+    let new = ingested.document.recordings.iter().skip(known);
+    let new: Vec<String> = new.map(|recording| recording.id.clone()).collect();
     // The columns of a table beside the document are not in the recording.
     let beside = ingested.table.iter().flat_map(|table| &table.columns).map(|(name, _)| name);
     let measured = ingested.table.is_some() && place::is_measured(beside, [].iter());
-    args.magnitude
-        .state(&mut ingested.document, |recording| Some(&recording.id) == added_id.as_ref() && !measured)?;
+    args.magnitude.state(&mut ingested.document, |recording| new.contains(&recording.id) && !measured)?;
     ingested.document.history.push(PROGRAM.entry(arguments, added));
     let folder = args.output.as_deref().and_then(Path::parent).unwrap_or(Path::new(""));
     let table = ingested.table.as_ref().map(|table| folder.join(&table.path));

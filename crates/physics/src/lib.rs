@@ -46,6 +46,8 @@ pub mod memory;
 mod model;
 mod reading;
 mod setting;
+pub mod theodolite;
+mod variometer;
 mod words;
 
 pub use catalogue::Kind;
@@ -62,3 +64,4 @@ pub use lanes::Real;
 pub use model::{Basic, CoilConstants, Parameter, SensorConstants, sensitivity};
 pub use reading::{Reading, field_geo, parallel, reading};
 pub use setting::Setting;
+pub use variometer::Components;

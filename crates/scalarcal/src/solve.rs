@@ -144,10 +144,9 @@ const ALIKE: f64 = 0.05;
 /// need a scale of its own.
 fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
-        let conditions = &document.recordings[one.index].conditions.extra;
-        let stated = conditions.get(crate::read::MAGNITUDE).filter(|_| one.source == Source::Stated)?;
-        let quantity = serde_json::from_value::<common::Quantity>(stated.clone()).ok()?;
-        Some((quantity.value(), quantity.relative_std()?, conditions.contains_key("field_model")))
+        let conditions = &document.recordings[one.index].conditions;
+        let stated = conditions.quantity(crate::read::MAGNITUDE).filter(|_| one.source == Source::Stated)?;
+        Some((stated.value(), stated.relative_std()?, conditions.extra.contains_key("field_model")))
     };
     let stated: Vec<Option<(f64, f64, bool)>> = series.iter().map(of).collect();
     let Some(first) = stated.iter().flatten().next().copied() else { return Ok(None) };

@@ -9,7 +9,7 @@ use program::pipe::{self, Input, Io, Program, Sink, StageIo};
 use program::place::AtPlace;
 use program::{apart, manual, progress};
 use rayon::prelude::*;
-use simulate::{Campaign, Case, Layout, Replayed, RunSheet, Variation};
+use simulate::{Campaign, Case, Layout, ObservatoryPlan, Replayed, RunSheet, Variation};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -35,6 +35,8 @@ struct Cli {
 enum Command {
     /// Carry out every procedure of a plan and write the document
     Campaign(CampaignArgs),
+    /// Make the absolute measurements and the variometer of an observatory
+    Observatory(ObservatoryArgs),
     /// Replace the readings of a document by the predictions of its calibration and model
     Replay(ReplayArgs),
     /// Carry out a plan for many seeds or values, one document a line
@@ -69,6 +71,20 @@ struct CampaignArgs {
     /// Write recordings of more than 10 000 rows beside the document, as Parquet
     #[arg(long, conflicts_with = "run_sheet")]
     beside: bool,
+    #[command(flatten)]
+    at: AtPlace,
+}
+
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  simulate observatory fixtures/plans/observatory.json | absolute > result.json"
+)]
+struct ObservatoryArgs {
+    #[command(flatten)]
+    io: Io,
+    /// Seed of all that is drawn, instead of the plan's
+    #[arg(long)]
+    seed: Option<u64>,
     #[command(flatten)]
     at: AtPlace,
 }
@@ -135,6 +151,7 @@ fn variation(text: &str) -> Result<Variation, String> {
 fn main() -> ExitCode {
     let result = match manual::parse::<Cli>().command {
         Command::Campaign(args) => campaign(&args),
+        Command::Observatory(args) => observatory(&args),
         Command::Replay(args) => replay(&args),
         Command::Sweep(args) => sweep(&args),
         Command::Effects { effect, layout } => simulate::catalogue(effect.as_deref(), layout)
@@ -178,6 +195,25 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     beside::write(io.output.as_deref(), &text, &tables)?;
     let recordings = counted(document.recordings.len(), "recording");
     say(io, &format!("{recordings}, {}, seed {}", counted(rows, "row"), plan.seed));
+    Ok(())
+}
+
+fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
+    let ObservatoryArgs { io, seed, at } = args;
+    let input = Input::read(io.file.as_deref())?;
+    let located = |error: Error| input.locate(error);
+    let mut plan = ObservatoryPlan::parse(&input.text).map_err(located)?;
+    plan.seed = seed.unwrap_or(plan.seed);
+    if let Some((field_nt, _)) = at.field_nt(Start::parse(&plan.start), "start").map_err(located)? {
+        plan.main_field_nt = field_nt;
+    }
+    let mut document = simulate::observatory(&plan).map_err(located)?.document;
+    let arguments = ["observatory".into(), format!("--seed={}", plan.seed)];
+    let arguments = arguments.into_iter().chain(at.arguments()).collect();
+    document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
+    pipe::write(io.output.as_deref(), &document.to_text()?)?;
+    let sets = counted(document.recordings.len() - 1, "measurement");
+    say(io, &format!("{sets} in {}, seed {}", counted(plan.weeks, "week"), plan.seed));
     Ok(())
 }
 

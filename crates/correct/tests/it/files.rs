@@ -1,7 +1,7 @@
 //! Tables in every format give what the document gives, in pieces or whole.
 
 use common::{AdoptedEffect, Axis, Document, Model, Quantity};
-use correct::{Frame, Request, Station, correct_table};
+use correct::{Frame, Observatory, Request, Station, correct_table};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
@@ -45,7 +45,7 @@ fn request<'a>(calibration: &'a Document, input: &'a Path, output: &'a Path) -> 
         input_format: None,
         output: Some(output),
         output_format: None,
-        iaga: None,
+        station: None,
     }
 }
 
@@ -223,8 +223,9 @@ fn iaga_2002_holds_the_field() {
     let folder = tempfile::tempdir().expect("a folder");
     let calibration = input();
     let (readings, output) = (testkit::fixture("correct/flight/readings.csv"), folder.path().join("day.min"));
-    let station = Station { code: "flx", start: Some("2026-02-28T23:59:58.5Z") };
-    let asked = Request { iaga: Some(station), ..request(&calibration, &readings, &output) };
+    let start = Some("2026-02-28T23:59:58.5Z");
+    let station = Station { format: Observatory::Iaga, code: "flx", start, place: None };
+    let asked = Request { station: Some(station), ..request(&calibration, &readings, &output) };
     let rows = correct_table(&asked).expect("written");
     let text = fs::read_to_string(&output).expect("a file");
     let lines: Vec<&str> = text.lines().collect();
@@ -249,11 +250,11 @@ fn iaga_2002_holds_the_field() {
         assert_eq!(found[3], 88_888.0);
     }
     assert!(!rows.is_empty());
-    let without = Request { iaga: Some(Station { code: "flx", start: None }), ..asked };
+    let without = Request { station: Some(Station { start: None, ..station }), ..asked };
     let without = Request { recording: None, ..without };
     let error = correct_table(&without).expect_err("no start").to_string();
     assert!(error.contains("the origin of time_s is unknown"), "{error}");
-    let error = correct_table(&Request { iaga: Some(Station { code: "Vienna", start: None }), ..asked });
+    let error = correct_table(&Request { station: Some(Station { code: "Vienna", ..station }), ..asked });
     assert!(error.expect_err("no code").to_string().contains("is not a station code"));
 }
 

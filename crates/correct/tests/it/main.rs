@@ -4,6 +4,7 @@ mod bad_input;
 mod campaign;
 mod catalogue;
 mod files;
+mod formats;
 mod golden;
 mod help;
 mod joint;

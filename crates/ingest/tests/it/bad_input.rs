@@ -70,7 +70,9 @@ fn each_fault_has_its_message() {
                  nameless.csv thousands-doubtful.csv day-or-month-am.csv truncated.cdf short.pcdcp short-usgs.json \
                  truncated.bin header-only.bin big-endian.bin day.bin place.bin orientation.bin station.bin \
                  value.bin truncated.imf row.imf day.imf truncated.blv no-star.blv day.blv twice.blv yearmean.flx \
-                 hapi-no-unit.csv hapi-size.csv";
+                 hapi-no-unit.csv hapi-size.csv absolute-gon.txt absolute-unit.txt absolute-position.txt \
+                 absolute-mark.txt absolute-mark-name.txt absolute-misread.txt absolute-row.txt absolute.json \
+                 absolute.abs";
     let files = files.split(' ').map(|file| (file.replace('.', "-"), format!("-o out.json {file}")));
     let of_words = "unit-open unit-unknown volts column-absent column-twice column-zero scale-huge key-unknown zone \
                     format newer";
@@ -100,6 +102,7 @@ fn each_fault_has_its_message() {
         ("two-stations", "whole.min other-station.min"),
         ("files-disagree", "whole.min disagrees.min"),
         ("guess-iaga", "guess whole.min"),
+        ("guess-absolute", "guess absolute-row.txt"),
         ("guess-million-columns", "guess million-columns.csv"),
         ("table-leaves-the-folder", "--beside=../secret.parquet -o out.json whole.min"),
         ("table-of-unknown-kind", "--beside=table.xlsx -o out.json whole.min"),

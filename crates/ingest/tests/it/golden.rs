@@ -51,6 +51,8 @@ fn golden() {
     case("imf", &["flx20240310.imf"], Options::default());
     case("ibf", &["flx2024.blv"], Options::default());
     case("ibf-old", &["flx99.blv"], Options::default());
+    case("absolute", &["absolute-deg.txt", "absolute-null.txt"], Options::default());
+    case("absolute-usgs", &["absolute.json"], Options::default());
     case("hapi", &["hapi.csv"], Options::default());
     case("beside", &["lemi.sec"], Options { readings: Readings::Beside(None), ..Options::default() });
 }

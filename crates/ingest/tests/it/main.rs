@@ -1,5 +1,6 @@
 //! The integration tests of `ingest`: one program, a module for each subject.
 
+mod absolute;
 mod bad_input;
 mod golden;
 mod help;

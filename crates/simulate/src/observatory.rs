@@ -1,0 +1,320 @@
+//! Absolute measurements and a variometer at an observatory, with the errors that observers make.
+
+mod field;
+mod sheet;
+
+use common::time::Start;
+use common::{Column, Conditions, Document, Error, Quantity, Recording, Versioned, parse, procedure};
+use noise::Stream;
+use physics::Components;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use field::Field;
+
+/// What an observatory does in a number of weeks. All of it has defaults.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct ObservatoryPlan {
+    /// Version of the format.
+    pub fluxcal: u64,
+    /// Of all that is drawn.
+    pub seed: u64,
+    /// RFC 3339, midnight.
+    pub start: String,
+    /// How long.
+    pub weeks: usize,
+    /// Measurements a week, all on one day.
+    pub sets_a_week: usize,
+    /// The field in the mean, north, east and down, nT.
+    pub main_field_nt: [f64; 3],
+    /// `hez` or `xyz`.
+    pub components: String,
+    /// Interval of the variometer, s.
+    pub variometer_step_s: f64,
+    /// Hours about noon at which the variometer is written on days of measurements; absent: all hours of all days.
+    pub variometer_hours: Option<f64>,
+    /// `null` or `residual`.
+    pub method: String,
+    /// Azimuth of the mark, degrees.
+    pub mark_azimuth_deg: f64,
+    /// The theodolite and its observer.
+    pub theodolite: TheodolitePlan,
+    /// What the baselines do.
+    pub baseline: BaselinePlan,
+}
+
+/// Errors of the theodolite, its magnetometer, and the observer. Standard deviations unless it is said otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct TheodolitePlan {
+    /// Of a circle reading, arcsec.
+    pub circle_arcsec: f64,
+    /// Of the levelling, about each horizontal axis, one for each set, arcsec.
+    pub levelling_arcsec: f64,
+    /// Of the magnetometer's axis to the telescope, about each axis; drawn once, arcsec.
+    pub collimation_arcsec: f64,
+    /// Of what the magnetometer reads in no field; drawn once, nT.
+    pub offset_nt: f64,
+    /// By how much that changes from measurement to measurement, nT.
+    pub offset_changes_nt: f64,
+    /// Of the magnetometer's reading, nT.
+    pub residual_nt: f64,
+    /// Of the stated time of a reading, s.
+    pub time_s: f64,
+    /// Of the scalar magnetometer, the same at all times, nT.
+    pub scalar_nt: f64,
+    /// The difference of F between the pillars, nT.
+    pub pillar_difference_nt: f64,
+    /// Share of measurements with something magnetic about the observer.
+    pub magnetic_share: f64,
+    /// Its field, of each component, nT.
+    pub magnetic_nt: f64,
+    /// Share of measurements with one circle misread.
+    pub misread_share: f64,
+    /// By how much, arcmin.
+    pub misread_arcmin: f64,
+}
+
+/// What the baselines do, as field along the three sensors.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct BaselinePlan {
+    /// Straight drift, standard deviation for each component, nT a year.
+    pub drift_nt_per_year: f64,
+    /// Random walk, nT after a year.
+    pub walk_nt: f64,
+    /// Of each annual wave, nT.
+    pub annual_nt: f64,
+    /// Days after the start at which all three step.
+    pub step_days: Vec<f64>,
+    /// Standard deviation of a step, nT.
+    pub step_nt: f64,
+    /// What a kelvin of the variometer's temperature adds to each component, nT.
+    pub nt_per_k: [f64; 3],
+}
+
+impl Default for ObservatoryPlan {
+    fn default() -> Self {
+        Self {
+            fluxcal: 1,
+            seed: 1,
+            start: "2025-01-06T00:00:00Z".into(),
+            weeks: 52,
+            sets_a_week: 2,
+            main_field_nt: [20_900.0, 1_590.0, 43_840.0],
+            components: "hez".into(),
+            variometer_step_s: 10.0,
+            variometer_hours: Some(1.0),
+            method: "residual".into(),
+            mark_azimuth_deg: 267.36,
+            theodolite: TheodolitePlan::default(),
+            baseline: BaselinePlan::default(),
+        }
+    }
+}
+
+impl Default for TheodolitePlan {
+    fn default() -> Self {
+        Self {
+            circle_arcsec: 2.0,
+            levelling_arcsec: 1.0,
+            collimation_arcsec: 60.0,
+            offset_nt: 5.0,
+            offset_changes_nt: 0.3,
+            residual_nt: 0.1,
+            time_s: 2.0,
+            scalar_nt: 0.1,
+            pillar_difference_nt: 0.0,
+            magnetic_share: 0.0,
+            magnetic_nt: 3.0,
+            misread_share: 0.0,
+            misread_arcmin: 1.0,
+        }
+    }
+}
+
+impl Default for BaselinePlan {
+    fn default() -> Self {
+        Self {
+            drift_nt_per_year: 2.0,
+            walk_nt: 0.5,
+            annual_nt: 0.5,
+            step_days: Vec::new(),
+            step_nt: 3.0,
+            nt_per_k: [0.0; 3],
+        }
+    }
+}
+
+/// The document of an observatory, and what is true behind it.
+#[derive(Clone, Debug)]
+pub struct Observatory {
+    /// The variometer and the measurements.
+    pub document: Document,
+    /// Unix time, s, and the baseline values then, in nT and rad: at every measurement, and every day at noon.
+    pub truth: Vec<(f64, [f64; 3])>,
+}
+
+impl Versioned for ObservatoryPlan {
+    fn format_version(&self) -> Option<u64> {
+        Some(self.fluxcal)
+    }
+}
+
+impl ObservatoryPlan {
+    /// Reads a plan.
+    ///
+    /// # Errors
+    ///
+    /// As of every document; values that cannot be.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let plan: Self = parse(text)?;
+        let wrong = |path: &str, found: String, expected: &str| Err(Error::document(path, found, expected));
+        let Some(start) = Start::parse(&plan.start) else {
+            return wrong("start", format!("\"{}\"", plan.start), "a moment such as 2025-01-06T00:00:00Z");
+        };
+        if start.unix_s.rem_euclid(86_400.0) != 0.0 {
+            return wrong("start", format!("\"{}\"", plan.start), "midnight in UTC");
+        }
+        if Components::of(&plan.components).is_none() {
+            return wrong("components", format!("\"{}\"", plan.components), "\"hez\" or \"xyz\"");
+        }
+        if !["null", "residual"].contains(&plan.method.as_str()) {
+            return wrong("method", format!("\"{}\"", plan.method), "\"null\" or \"residual\"");
+        }
+        if plan.weeks == 0 || plan.weeks > 1_000 {
+            return wrong("weeks", plan.weeks.to_string(), "1 to 1000");
+        }
+        let hours = 2.0 * plan.variometer_hours.unwrap_or(24.0);
+        if hours.is_nan() || hours * 3600.0 < SET_S * (plan.sets_a_week as f64 + 0.5) {
+            return wrong(
+                "variometer_hours",
+                (0.5 * hours).to_string(),
+                "hours on either side of noon that cover the measurements, half an hour each",
+            );
+        }
+        if plan.sets_a_week > 20 {
+            return wrong("sets_a_week", plan.sets_a_week.to_string(), "at most 20, half an hour each");
+        }
+        if !(1.0..=60.0).contains(&plan.variometer_step_s) {
+            return wrong("variometer_step_s", plan.variometer_step_s.to_string(), "1 to 60 s");
+        }
+        let horizontal = plan.main_field_nt[0].hypot(plan.main_field_nt[1]);
+        if !(100.0..=1e5).contains(&horizontal)
+            || plan.main_field_nt[0] <= 0.0
+            || plan.main_field_nt[2].abs() > 1e5
+        {
+            return wrong(
+                "main_field_nt",
+                format!("{:?}", plan.main_field_nt),
+                "a field that points north, in nT",
+            );
+        }
+        Ok(plan)
+    }
+}
+
+/// Noise of a reading of the scalar magnetometer, nT.
+const SCALAR_NOISE_NT: f64 = 0.05;
+const DAY_S: f64 = 86_400.0;
+/// One measurement takes so long with its pause, s.
+const SET_S: f64 = 1_800.0;
+
+/// Carries out a plan.
+///
+/// # Errors
+///
+/// A plan that [`ObservatoryPlan::parse`] refuses.
+pub fn observatory(plan: &ObservatoryPlan) -> Result<Observatory, Error> {
+    let start_s = Start::parse(&plan.start).map_or(0.0, |start| start.unix_s);
+    let field = Field::new(plan);
+    let mut document = Document {
+        fluxcal: 1,
+        title: Some("Absolute measurements, simulated".into()),
+        ..Document::default()
+    };
+    let facility = document.facility.get_or_insert_default();
+    facility.reference_std_nt = Some(plan.theodolite.scalar_nt);
+    let days = plan.weeks * 7;
+    let first = DAY_S / 2.0 - 0.5 * SET_S * plan.sets_a_week as f64;
+    document.recordings.push(variometer(plan, &field, days));
+    let mut truth: Vec<(f64, [f64; 3])> = Vec::new();
+    let observer = sheet::Observer::new(plan);
+    for week in 0..plan.weeks {
+        for number in 0..plan.sets_a_week {
+            // The third day of the week.
+            let begin = (7 * week + 2) as f64 * DAY_S + first + number as f64 * SET_S;
+            let name = format!("week-{:03}-{}", week + 1, number + 1);
+            let (columns, middle) = observer.set(&field, begin, &name);
+            let start = Start { unix_s: start_s + begin, offset_s: 0.0 }.text();
+            let extra = [
+                ("mark_azimuth_deg".to_string(), json!(plan.mark_azimuth_deg)),
+                (
+                    "pillar_difference_nt".to_string(),
+                    json!(Quantity::Bare(plan.theodolite.pillar_difference_nt)),
+                ),
+            ];
+            document.recordings.push(Recording {
+                id: name,
+                procedure: procedure::ABSOLUTE.into(),
+                start,
+                conditions: Conditions { extra: extra.into_iter().collect(), ..Conditions::default() },
+                columns,
+                ..Recording::default()
+            });
+            truth.push((start_s + middle, field.baseline(middle).into()));
+        }
+    }
+    truth.extend((0..=days).map(|day| {
+        let noon = (day as f64 + 0.5) * DAY_S;
+        (start_s + noon, field.baseline(noon).into())
+    }));
+    Ok(Observatory { document, truth })
+}
+
+fn variometer(plan: &ObservatoryPlan, field: &Field, days: usize) -> Recording {
+    const NAMES: [&str; 6] =
+        ["time_s", "sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt", "sensor_temperature_c"];
+    let mut columns: [Vec<f64>; 6] = Default::default();
+    let steps = (days as f64 * DAY_S / plan.variometer_step_s) as usize;
+    let mut stream = Stream::new(plan.seed, "scalar");
+    let scalar_off = plan.theodolite.scalar_nt * stream.normal() - plan.theodolite.pillar_difference_nt;
+    for step in 0..steps {
+        let time = step as f64 * plan.variometer_step_s;
+        let of_day = time.rem_euclid(DAY_S) - DAY_S / 2.0;
+        let hours = plan.variometer_hours.unwrap_or(24.0) * 3600.0;
+        if of_day.abs() > hours || (plan.variometer_hours.is_some() && ((time / DAY_S) as usize) % 7 != 2) {
+            continue;
+        }
+        let (reading, total) = field.read(time);
+        let scalar = total.norm() + scalar_off + SCALAR_NOISE_NT * stream.normal();
+        // Written to a hundredth of a nT, as variometers do.
+        let rounded = |value: f64| (value * 100.0).round() / 100.0;
+        let values = [
+            time,
+            rounded(reading.x),
+            rounded(reading.y),
+            rounded(reading.z),
+            rounded(scalar),
+            rounded(field.temperature_c(time)),
+        ];
+        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+    let extra = [("components".to_string(), json!(plan.components))];
+    Recording {
+        id: "variometer".into(),
+        procedure: procedure::VARIOMETER.into(),
+        start: Some(plan.start.clone()),
+        conditions: Conditions { extra: extra.into_iter().collect(), ..Conditions::default() },
+        columns: NAMES
+            .iter()
+            .zip(columns)
+            .map(|(name, values)| ((*name).into(), Column::from(values)))
+            .collect(),
+        ..Recording::default()
+    }
+}
