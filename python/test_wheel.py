@@ -21,7 +21,7 @@ import fluxcal
 FIXTURES = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else Path("fixtures").resolve()
 STAGES = {
     "coilcal": "coilcal/uneven", "sensorcal": "sensorcal/small", "axescal": "axescal/magsat", "scalarcal": "scalarcal/meadow",
-    "diffmag": "diffmag/turned-pair", "diagnose": "diagnose/warm",
+    "diffmag": "diffmag/turned-pair", "absolute": "absolute/weeks", "diagnose": "diagnose/warm",
 }
 
 
@@ -32,7 +32,7 @@ def document(name: str, file: str = "input.json") -> dict:
 class Programs(unittest.TestCase):
     def test_the_programs_are_those_of_the_wheel(self) -> None:
         scripts = [file for file in metadata.files("fluxcal") if file.name in (*STAGES, "fluxcal", "simulate", "ingest", "series", "correct", "report")]
-        self.assertEqual(len(scripts), 12)
+        self.assertEqual(len(scripts), 13)
         for script in scripts:
             self.assertTrue(os.access(script.locate(), os.X_OK), script)
         self.assertTrue(Path(fluxcal.__file__).is_relative_to(sys.prefix), fluxcal.__file__)
@@ -75,6 +75,8 @@ class Programs(unittest.TestCase):
         calibrated = fluxcal.axescal(fluxcal.sensorcal(fluxcal.coilcal(campaign)))
         self.assertAlmostEqual(calibrated["calibration"]["sensors"]["x"]["sensitivity_nt_per_v"]["value"], 6401.2, delta=0.02)
         self.assertEqual(len(fluxcal.replay(calibrated)["recordings"]), 13)
+        weeks = fluxcal.observatory(FIXTURES / "plans/observatory.json", seed=5)
+        self.assertEqual((weeks["history"][-1]["arguments"], len(weeks["recordings"])), (["observatory", "--seed=5"], 17))
         self.assertEqual(len(fluxcal.sweep(plan, seeds="1..3")), 3)
         self.assertIn("heat", fluxcal.effects("coil_heating"))
         page = fluxcal.report(calibrated)

@@ -18,9 +18,9 @@ from ._plot import plot
 from ._run import Document, Error, PathLike, Refused, Undetermined, call, text
 
 __all__ = [
-    "Document", "Error", "Page", "Refused", "Undetermined", "axescal", "certificate", "coilcal", "correct", "corrected", "design", "diagnose",
-    "diffmag", "diffmag_merge", "diffmag_stream", "effects", "frame", "guess", "ingest", "plot", "recording", "replay", "report", "results", "scalarcal",
-    "scalarcal_merge", "scalarcal_stream", "sensorcal", "series", "simulate", "sweep",
+    "Document", "Error", "Page", "Refused", "Undetermined", "absolute", "axescal", "certificate", "coilcal", "correct", "corrected", "design",
+    "diagnose", "diffmag", "diffmag_merge", "diffmag_stream", "effects", "frame", "guess", "ingest", "observatory", "plot", "recording", "replay",
+    "report", "results", "scalarcal", "scalarcal_merge", "scalarcal_stream", "sensorcal", "series", "simulate", "sweep",
 ]
 __version__ = "0.1.0"
 
@@ -40,6 +40,13 @@ def simulate(plan: Document, *, seed: int | None = None, place: Iterable[float] 
     """The document that a plan would give; `place` is latitude, longitude and height in metres."""
     options = {name: value for name, value in locals().items() if name != "plan"}
     return call("simulate", "campaign", document=plan, **options)
+
+
+def observatory(plan: Document, *, seed: int | None = None, place: Iterable[float] = (), date: str | None = None,
+                field_model: str | None = None) -> dict[str, Any]:
+    """Absolute measurements and a variometer, as an observatory with such a plan would have them."""
+    options = {name: value for name, value in locals().items() if name != "plan"}
+    return call("simulate", "observatory", document=plan, **options)
 
 
 def replay(document: Document, *, noise: bool = False, seed: int | None = None) -> dict[str, Any]:
@@ -112,6 +119,11 @@ def scalarcal(document: Document, *, known: bool = False, reference_offset: bool
 def diffmag(document: Document, *, correct_clock: bool = False, drop_recordings: bool = False) -> dict[str, Any]:
     """Two magnetometers side by side."""
     return call("diffmag", **locals())
+
+
+def absolute(document: Document, *, drop_recordings: bool = False) -> dict[str, Any]:
+    """Declination, inclination and the baselines of a variometer by a theodolite with a magnetometer."""
+    return call("absolute", **locals())
 
 
 def diagnose(document: Document, *, against: Document | None = None, refit: bool = False, empirical: bool = False, without: Iterable[str] = (),

@@ -4,7 +4,7 @@ use common::number::significant;
 use common::time::Start;
 use common::{
     AbsoluteSet, AdoptedBaseline, AdoptedBaselines, BaselineFollows, BaselineStep, Code, Document, Findings,
-    Quantity, procedure,
+    Quantity, Recording, procedure,
 };
 use indexmap::IndexMap;
 use physics::Components;
@@ -12,6 +12,7 @@ use physics::Components;
 use crate::Error;
 use crate::evidence::{At, Course, Data, Mixture, Regressor};
 use crate::sets::{Measured, moment};
+use crate::words::named;
 
 /// ln of the posterior odds from which a step, a column or a measurement that is off is taken.
 const TAKEN: f64 = 3.0;
@@ -23,6 +24,10 @@ const FOLLOWS_NT: f64 = 5.0;
 const MOST: usize = 12;
 /// More measurements than this are averaged in groups.
 const MOST_MEASUREMENTS: usize = 300;
+/// A baseline is adopted for so long before the first measurement and after the last, s.
+const FURTHEST_S: f64 = 30.0 * 86_400.0;
+/// Days with a node of their own; of a longer series every second one has one, or fewer.
+const MOST_DAYS: usize = 4000;
 const YEAR_S: f64 = 365.25 * 86_400.0;
 const DAY_S: f64 = 86_400.0;
 
@@ -73,16 +78,11 @@ pub fn adopted(
             sets: sets.to_vec(),
         })
         .collect();
-    let start_s = (used[0].time_s / DAY_S).floor() * DAY_S;
-    let end_s = document
-        .recordings
-        .iter()
-        .filter(|one| one.procedure == procedure::VARIOMETER)
-        .filter_map(|one| Some(one.start()?.unix_s + one.column("time_s")?.last()?));
-    let end_s = end_s.fold(used[used.len() - 1].time_s, f64::max);
+    let [start_s, end_s] = span(document, [used[0].time_s, used[used.len() - 1].time_s]);
     let follows = follows(document, &used);
     let days = ((end_s - start_s) / DAY_S).ceil().max(1.0) as usize;
-    let mut times: Vec<f64> = (0..=days).map(|day| day as f64 * DAY_S).collect();
+    let every = days.div_ceil(MOST_DAYS);
+    let mut times: Vec<f64> = (0..=days.div_ceil(every)).map(|node| (node * every) as f64 * DAY_S).collect();
     let mut found = Vec::new();
     for k in 0..3 {
         let component = Component::of(measured, &used, k, components)?;
@@ -96,15 +96,21 @@ pub fn adopted(
     }
     times.sort_by(f64::total_cmp);
     times.dedup_by(|a, b| *a == *b && (*a / DAY_S).fract() == 0.0);
-    let mut result = AdoptedBaselines { start: moment(start_s), ..AdoptedBaselines::default() };
+    let pillars = measured.sets.iter().map(|(set, _)| set.pillar[0]);
+    let mut result = AdoptedBaselines {
+        start: moment(start_s),
+        pillar_difference_nt: pillars.sum::<f64>() / measured.sets.len() as f64,
+        ..AdoptedBaselines::default()
+    };
     for (k, (component, causes, mixture)) in found.into_iter().enumerate() {
         let key = components.keys()[k];
         let common = common_std(measured, &used, k) / components.units()[k];
         let baseline = component.written(&used, &follows, &causes, &mixture, &times, start_s, common)?;
+        let (name, unit) = named(key);
         for (cause, factor) in &causes {
             if let Cause::Off(at) = cause {
                 let words = format!(
-                    "{key} of \"{}\" is off the baseline by more than the other measurements scatter (ln of the Bayes factor {}); it is not used, measure it again",
+                    "{name} of \"{}\" is off the baseline by more than the other measurements scatter (ln of the Bayes factor {}); it is not used, measure it again",
                     used[*at].recording,
                     significant(*factor, 2)
                 );
@@ -112,14 +118,27 @@ pub fn adopted(
             }
         }
         for step in &baseline.steps {
-            let words = format!("{key} steps by {} between {} and {}", step.size, step.after, step.before);
-            findings.push(Code::TimesJump.about(key).said(words));
+            let words =
+                format!("{name} steps by {}{unit} between {} and {}", step.size, step.after, step.before);
+            findings.push(Code::BaselineSteps.about(key).said(words));
         }
         result.common_std.insert(key.to_string(), common);
         result.components.insert(key.to_string(), baseline);
     }
     result.time_s = times;
     Ok((result, findings))
+}
+
+/// The days that baselines are for: those of the measurements and of the variometer, not too far from them.
+fn span(document: &Document, [first, last]: [f64; 2]) -> [f64; 2] {
+    let of = |one: &Recording| {
+        let (start, times) = one.start().zip(one.column("time_s"))?;
+        Some([start.unix_s + times.first()?, start.unix_s + times.last()?])
+    };
+    let series =
+        document.recordings.iter().filter(|one| one.procedure == procedure::VARIOMETER).filter_map(of);
+    let [from, to] = series.fold([first, last], |[from, to], one| [from.min(one[0]), to.max(one[1])]);
+    [(from.max(first - FURTHEST_S) / DAY_S).floor() * DAY_S, to.min(last + FURTHEST_S)]
 }
 
 /// What the azimuth of the mark and the difference of the pillars leave uncertain in all values, the largest.
@@ -255,20 +274,19 @@ impl Component {
         let regressors = self.regressors(causes, follows);
         let step_s = |before: usize| 0.5 * (used[before - 1].time_s + used[before].time_s);
         let mut result = AdoptedBaseline::default();
-        for (node, time) in times.iter().enumerate() {
+        let at = |(node, time): (usize, &f64)| {
             let time_s = start_s + time;
             // Of two nodes at a step the second is behind it.
             let second = node > 0 && times[node - 1] == *time;
-            let there: Vec<f64> = (causes.iter())
-                .map(|(cause, _)| match cause {
-                    Cause::Step(before) => {
-                        f64::from(u8::from(time_s > step_s(*before) || (second && time_s == step_s(*before))))
-                    }
-                    _ => 0.0,
-                })
-                .collect();
-            let at = At { years: (time_s - used[0].time_s) / YEAR_S, regressors: &there };
-            let [value, std] = mixture.at(&self.data, &regressors, &at);
+            let behind = |step_s: f64| time_s > step_s || (second && time_s == step_s);
+            let regressors = causes.iter().map(|(cause, _)| match cause {
+                Cause::Step(before) if behind(step_s(*before)) => 1.0,
+                _ => 0.0,
+            });
+            At { years: (time_s - used[0].time_s) / YEAR_S, regressors: regressors.collect() }
+        };
+        let nodes: Vec<At> = times.iter().enumerate().map(at).collect();
+        for [value, std] in mixture.at(&self.data, &regressors, &nodes) {
             result.value.push((value + self.mean_nt) / self.unit_nt);
             result.std.push((std / self.unit_nt).hypot(common));
         }
@@ -295,15 +313,11 @@ impl Component {
             }
         }
         let probabilities: Vec<(Course, f64)> = mixture.probabilities().collect();
-        let best = probabilities
-            .iter()
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(Course::Walk, |(course, _)| *course);
-        result.course = best.name().to_string();
-        result.probabilities =
-            probabilities.iter().map(|(course, share)| (course.name().to_string(), *share)).collect();
+        let best = probabilities.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(course, _)| *course);
+        result.course = best.map(Course::name).unwrap_or_default();
+        result.probabilities = probabilities.iter().map(|(course, share)| (course.name(), *share)).collect();
         result.scatter_std = mixture.scatter_nt() / self.unit_nt;
-        result.left_out_rms = mixture.left_out_rms(best).unwrap_or(0.0) / self.unit_nt;
+        result.left_out_rms = best.and_then(|best| mixture.left_out_rms(best)).unwrap_or(0.0) / self.unit_nt;
         Ok(result)
     }
 }

@@ -3,34 +3,33 @@
 use common::number::significant;
 
 use crate::Error;
-use crate::fit::{Found, Known, fit};
-use crate::read::{Circle, Set};
+use crate::fit::{Found, Known, declination, fit, north};
+use crate::read::{Circle, Row, Set};
 
-/// χ² over its degrees of freedom beyond which readings are no measurement. Circles are then some minutes of arc off.
+/// χ² over its degrees of freedom from which an explanation is looked for.
+const SUSPECT: f64 = 4.0;
+/// The same beyond which readings are no measurement. Circles are then some minutes of arc off.
 const IMPOSSIBLE: f64 = 1e4;
 /// An explanation leaves less than this share of χ².
-const EXPLAINS: f64 = 1e-2;
+const EXPLAINS: f64 = 0.1;
 
 /// What may be wrong with a whole sheet, and the remedy.
 type Mistake = (fn(&mut Circle), &'static str);
 
 const MISTAKES: [Mistake; 3] = [
-    (grades, "its circles fit as grades (gon); multiply horizontal_deg and vertical_deg by 0.9"),
-    (signs, "residual_nt fits with the other sign; it is positive where the field points along the view"),
+    (
+        signs,
+        "they fit with the other sign of residual_nt, which is positive where the field points along the view",
+    ),
     (
         faces,
-        "its positions fit with the magnetometer above for below; exchange 90 and 270 of vertical_deg in the readings of the declination",
+        "they fit with the magnetometer above for below where the telescope is level; exchange 90 and 270 of vertical_deg there",
+    ),
+    (
+        opposite,
+        "they fit with the mark in the opposite direction; its azimuth is off by 180°, or 90 and 270 of vertical_deg are exchanged in its readings",
     ),
 ];
-
-fn grades(circle: &mut Circle) {
-    if let Circle::Mark { horizontal, .. } | Circle::Field { horizontal: Ok(horizontal), .. } = circle {
-        *horizontal *= 0.9;
-    }
-    if let Circle::Field { zenith, .. } = circle {
-        *zenith *= 0.9;
-    }
-}
 
 fn signs(circle: &mut Circle) {
     if let Circle::Field { reading_nt, .. } = circle {
@@ -46,48 +45,64 @@ fn faces(circle: &mut Circle) {
     }
 }
 
+fn opposite(circle: &mut Circle) {
+    if let Circle::Mark { above, .. } = circle {
+        *above = !*above;
+    }
+}
+
+fn per_freedom(found: &Found) -> f64 {
+    let (chi_squared, free) = found.circles();
+    chi_squared / free.max(1.0)
+}
+
+/// The fit of other rows in place of those of a set, with its χ² over its degrees of freedom.
+fn with_rows(set: &Set, rows: Vec<Row>, known: Known) -> Option<(f64, Found)> {
+    let other =
+        Set { rows, without_variometer: Vec::new(), id: set.id.clone(), path: set.path.clone(), ..*set };
+    let found = fit(&other, known).ok()?;
+    Some((per_freedom(&found), found))
+}
+
 /// That readings are those of a theodolite in the field of the Earth.
 ///
-/// Errors: readings that fit nothing, with what would make them fit; a field that points south.
+/// Errors: readings that fit with one mistake undone; readings that fit nothing, with the one without which they do.
 pub fn position(set: &Set, found: &Found, known: Known) -> Result<(), Error> {
-    let per_freedom = |found: &Found| {
-        let (chi_squared, free) = found.circles();
-        chi_squared / free.max(1.0)
-    };
     let off = per_freedom(found);
+    if off <= SUSPECT {
+        return Ok(());
+    }
     let refused = |words: String| {
+        let words = format!("readings of \"{}\" {words}", set.id);
         Err(Error::document(
             &set.path,
             words,
             "the readings of one measurement; correct the sheet or leave it out",
         ))
     };
-    if off > IMPOSSIBLE {
-        for (change, words) in MISTAKES {
-            let mut changed = Set {
-                rows: set.rows.clone(),
-                without_variometer: Vec::new(),
-                id: set.id.clone(),
-                path: set.path.clone(),
-                ..*set
-            };
-            changed.rows.iter_mut().for_each(|row| change(&mut row.circle));
-            if fit(&changed, known).is_ok_and(|other| per_freedom(&other) < EXPLAINS * off) {
-                return refused(format!("readings of \"{}\" that fit no field; {words}", set.id));
-            }
-        }
-        let rms = off.sqrt() * known.circle.to_degrees() * 60.0;
-        return refused(format!(
-            "readings of \"{}\" that differ by {}′ from those of any field",
-            set.id,
-            significant(rms, 2)
-        ));
+    let undone = MISTAKES.into_iter().filter_map(|(change, words)| {
+        let mut rows = set.rows.clone();
+        rows.iter_mut().for_each(|row| change(&mut row.circle));
+        Some((with_rows(set, rows, known)?.0, words))
+    });
+    if let Some((_, words)) =
+        undone.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < EXPLAINS * off)
+    {
+        return refused(format!("that fit no field; {words}"));
     }
-    if found.field().0.x < 0.0 {
-        return refused(format!(
-            "a field that points south in \"{}\": the azimuth of the mark, or the faces of its readings, are off by 180°",
-            set.id
-        ));
+    if off <= IMPOSSIBLE {
+        return Ok(());
     }
-    Ok(())
+    let arcmin = significant(off.sqrt() * known.circle.to_degrees() * 60.0, 2);
+    let left_out = set.rows.iter().enumerate().filter_map(|(at, row)| {
+        let mut rows = set.rows.clone();
+        rows.remove(at);
+        let (left, found) = with_rows(set, rows, known)?;
+        Some((left, row, north(&found.fit.state) + declination(&found.field().0)))
+    });
+    let best = left_out.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, ..)| *left < EXPLAINS * off);
+    let one = best.map_or_else(String::new, |(_, row, magnetic_north)| {
+        format!("; without row {} ({}) they fit", row.row, row.position(magnetic_north))
+    });
+    refused(format!("that differ by {arcmin}′ from those of any field{one}"))
 }

@@ -27,45 +27,40 @@ const SHORTEST_YEARS: f64 = 1.0;
 /// Points of the grid with a smaller share of the evidence are left out.
 const LEAST: f64 = 1e-4;
 
-/// How a baseline may go.
+/// How a baseline may go. Pillars wander a little in any case: every trend comes with a random walk and without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Course {
+pub struct Course {
+    /// Degree of the polynomial, or the spline.
+    trend: Trend,
+    walks: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Trend {
     Polynomial(usize),
-    Walk,
     Spline,
-    Both,
 }
 
 impl Course {
-    pub const ALL: [Self; 7] = [
-        Self::Polynomial(0),
-        Self::Polynomial(1),
-        Self::Polynomial(2),
-        Self::Polynomial(3),
-        Self::Walk,
-        Self::Spline,
-        Self::Both,
-    ];
+    pub fn all() -> impl Iterator<Item = Self> {
+        let trends = (0..4).map(Trend::Polynomial).chain([Trend::Spline]);
+        trends.flat_map(|trend| [false, true].map(|walks| Self { trend, walks }))
+    }
 
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Polynomial(degree) => ["constant", "line", "parabola", "cubic"][degree],
-            Self::Walk => "random walk",
-            Self::Spline => "spline",
-            Self::Both => "spline and random walk",
-        }
+    pub fn name(self) -> String {
+        let trend = match self.trend {
+            Trend::Polynomial(0) if self.walks => return "random walk".into(),
+            Trend::Polynomial(degree) => ["constant", "line", "parabola", "cubic"][degree],
+            Trend::Spline => "spline",
+        };
+        trend.to_string() + if self.walks { " and random walk" } else { "" }
     }
 
     /// The sizes that its processes may have, of the walk and of the spline, nT after a year.
     fn sizes(self) -> Vec<[f64; 2]> {
-        match self {
-            Self::Polynomial(_) => vec![[0.0; 2]],
-            Self::Walk => WALK_NT.map(|walk| [walk, 0.0]).into(),
-            Self::Spline => SPLINE_NT.map(|spline| [0.0, spline]).into(),
-            Self::Both => {
-                WALK_NT.into_iter().flat_map(|walk| SPLINE_NT.map(|spline| [walk, spline])).collect()
-            }
-        }
+        let walks: &[f64] = if self.walks { &WALK_NT } else { &[0.0] };
+        let splines: &[f64] = if self.trend == Trend::Spline { &SPLINE_NT } else { &[0.0] };
+        walks.iter().flat_map(|walk| splines.iter().map(|spline| [*walk, *spline])).collect()
     }
 }
 
@@ -105,10 +100,10 @@ pub struct Mixture {
 }
 
 /// What is known at a time that is asked for.
-pub struct At<'a> {
+pub struct At {
     pub years: f64,
     /// The regressors there.
-    pub regressors: &'a [f64],
+    pub regressors: Vec<f64>,
 }
 
 impl Mixture {
@@ -118,7 +113,7 @@ impl Mixture {
     pub fn of(data: &Data, regressors: &[Regressor]) -> Result<Self, Error> {
         let span_years = data.years.iter().copied().fold(SHORTEST_YEARS, f64::max);
         let mut points = Vec::new();
-        for course in Course::ALL {
+        for course in Course::all() {
             let sizes = course.sizes();
             let cells = (sizes.len() * SCATTER_NT.len()) as f64;
             for size_nt in sizes {
@@ -171,7 +166,7 @@ impl Mixture {
 
     /// Share of the evidence of each course.
     pub fn probabilities(&self) -> impl Iterator<Item = (Course, f64)> {
-        Course::ALL.into_iter().map(|course| {
+        Course::all().map(|course| {
             let own = self.points.iter().filter(|(point, _)| point.course == course);
             (course, own.map(|(_, share)| share).fold(0.0, |sum, share| sum + share))
         })
@@ -182,20 +177,29 @@ impl Mixture {
         self.points.iter().map(|(point, share)| share * point.scatter_nt).sum()
     }
 
-    /// The course at a time with its standard uncertainty, nT, the scatter of measurements left out.
-    pub fn at(&self, data: &Data, regressors: &[Regressor], at: &At<'_>) -> [f64; 2] {
-        let shared = |i: usize| -> f64 {
-            let each = regressors.iter().zip(at.regressors);
-            each.map(|(one, there)| one.prior_nt * one.prior_nt * one.at[i] * there).sum()
+    /// The course at some times with its standard uncertainty, nT, the scatter of measurements left out.
+    pub fn at(&self, data: &Data, regressors: &[Regressor], times: &[At]) -> Vec<[f64; 2]> {
+        let priors: Vec<f64> = regressors.iter().map(|one| one.prior_nt * one.prior_nt).collect();
+        let shared = |i: usize, there: &At| -> f64 {
+            let each = regressors.iter().zip(&there.regressors).zip(&priors);
+            each.map(|((one, there), prior)| prior * one.at[i] * there).sum()
         };
-        let own: f64 =
-            regressors.iter().zip(at.regressors).map(|(one, there)| (one.prior_nt * there).powi(2)).sum();
-        self.averaged(|point| {
+        let mut sums = vec![[0.0; 2]; times.len()];
+        for (point, share) in &self.points {
             let of = |a: f64, b: f64| covariance(point.course, point.size_nt, self.span_years, [a, b]);
-            let k = Col::from_fn(data.years.len(), |i| of(data.years[i], at.years) + shared(i));
-            let mean = k.transpose() * &point.weights;
-            [mean, of(at.years, at.years) + own - k.transpose() * point.factor.solve(&k)]
-        })
+            let k = Mat::from_fn(data.years.len(), times.len(), |i, j| {
+                of(data.years[i], times[j].years) + shared(i, &times[j])
+            });
+            let (means, solved) = (point.weights.transpose() * &k, point.factor.solve(&k));
+            for (j, (at, [sum, squares])) in times.iter().zip(&mut sums).enumerate() {
+                let own: f64 =
+                    at.regressors.iter().zip(&priors).map(|(there, prior)| prior * there * there).sum();
+                let variance = of(at.years, at.years) + own - k.col(j).transpose() * solved.col(j);
+                *sum += share * means[j];
+                *squares += share * (variance.max(0.0) + means[j] * means[j]);
+            }
+        }
+        sums.into_iter().map(|[mean, squares]| [mean, (squares - mean * mean).max(0.0).sqrt()]).collect()
     }
 
     /// The coefficient of a regressor with its standard uncertainty.
@@ -231,10 +235,9 @@ impl Mixture {
 /// Covariance of the course at two times, nT².
 fn covariance(course: Course, [walk_nt, spline_nt]: [f64; 2], span_years: f64, years: [f64; 2]) -> f64 {
     let [a, b] = years.map(|year| 2.0 * year / span_years - 1.0);
-    let degree = match course {
-        Course::Polynomial(degree) => degree,
-        Course::Walk => 0,
-        Course::Spline | Course::Both => 1,
+    let degree = match course.trend {
+        Trend::Polynomial(degree) => degree,
+        Trend::Spline => 1,
     };
     let legendre = |u: f64| [1.0, u, 1.5 * u * u - 0.5, 2.5 * u * u * u - 1.5 * u];
     let (pa, pb) = (legendre(a), legendre(b));

@@ -15,9 +15,9 @@ use std::f64::consts::PI;
 
 use crate::Error;
 use crate::read::{Circle, Row, Set};
+use crate::start::{UNKNOWNS, mean, missing, start, wrapped};
+use crate::variometer::LONGEST_STEP_S;
 
-/// How many unknowns there are.
-pub const UNKNOWNS: usize = 8;
 const NORTH: usize = 3;
 const COLLIMATION: usize = 4;
 const OFFSET: usize = 5;
@@ -25,8 +25,6 @@ const HORIZONTAL: usize = 6;
 const VERTICAL: usize = 7;
 /// Scatter of the readings of a scalar magnetometer beside the vector, nT.
 const SCALAR_NT: f64 = 0.1;
-/// What an offset costs where a calculation begins; views are unit vectors.
-const RATHER: f64 = 1e-6;
 
 /// What is known of the instruments.
 #[derive(Clone, Copy, Debug)]
@@ -56,8 +54,8 @@ pub struct Found {
     pub fit: Fit<[f64; UNKNOWNS]>,
     /// Derivative of every unknown by the difference of the pillars.
     pub by_pillar: Vec<f64>,
-    /// Whether a circle that reads too much makes each residual larger, 1, or smaller, −1.
-    signs: Vec<f64>,
+    /// What a circle reads too much, rad, for a weighted residual of 1.
+    per_residual: Vec<f64>,
 }
 
 /// Baseline values of a state.
@@ -80,11 +78,6 @@ pub fn declination(field: &Vector3<f64>) -> f64 {
     field.y.atan2(field.x)
 }
 
-/// Within ±π.
-pub fn wrapped(angle: f64) -> f64 {
-    angle - 2.0 * PI * (angle / (2.0 * PI)).round()
-}
-
 /// Finds the baseline values of a measurement.
 ///
 /// Errors: readings that do not determine them, naming what is missing.
@@ -92,6 +85,13 @@ pub fn fit(set: &Set, known: Known) -> Result<Found, Error> {
     let components = set.components.unwrap_or_default();
     let circles: Vec<&Row> = set.rows.iter().filter(|row| row.circle != Circle::None).collect();
     let scalars: Vec<&Row> = set.rows.iter().filter(|row| row.scalar_nt.is_some()).collect();
+    let is_field = |row: &&Row| matches!(row.circle, Circle::Field { .. });
+    if !circles.iter().any(is_field) && !set.without_variometer.is_empty() {
+        return Err(Error::Unanswerable(format!(
+            "\"{}\": the variometer did not read within {LONGEST_STEP_S} s of any reading of the field; check the times and the start of both",
+            set.id
+        )));
+    }
     let start = start(set, components, &circles, &scalars)?;
     let problem = Readings { set, components, circles, scalars, known, start };
     let fit = solve(&problem, start, None, &Options::default())
@@ -107,23 +107,14 @@ pub fn fit(set: &Set, known: Known) -> Result<Found, Error> {
     let count = problem.circles.len();
     let per_nt: Vec<f64> =
         (0..problem.rows()).map(|row| if row < count { 0.0 } else { 1.0 / SCALAR_NT }).collect();
-    let signs = problem.circles.iter().map(|row| problem.sign(row)).collect();
+    let per_residual = problem.circles.iter().map(|row| problem.circle(row)).collect();
     Ok(Found {
         components,
         by_pillar: fit.svd.solve(&per_nt),
         rows: problem.circles.iter().map(|row| (*row).clone()).collect(),
         fit,
-        signs,
+        per_residual,
     })
-}
-
-fn mean(rows: &[&Row]) -> Vector3<f64> {
-    let fields: Vec<&Vector3<f64>> = rows
-        .iter()
-        .filter(|row| matches!(row.circle, Circle::Field { .. }))
-        .map(|row| &row.variometer_nt)
-        .collect();
-    fields.iter().copied().sum::<Vector3<f64>>() / fields.len() as f64
 }
 
 fn field(
@@ -132,92 +123,6 @@ fn field(
     reading: &Vector3<f64>,
 ) -> (Vector3<f64>, Matrix3<f64>) {
     components.field_nt(reading, &baseline(state))
-}
-
-/// Where the iteration begins: without collimations, by the direction that all readings are at right angles to.
-///
-/// Errors: readings that do not determine it.
-fn start(
-    set: &Set,
-    components: Components,
-    circles: &[&Row],
-    scalars: &[&Row],
-) -> Result<[f64; UNKNOWNS], Error> {
-    let refused = |words: String| Error::Unanswerable(format!("\"{}\": {words}", set.id));
-    let marks: Vec<f64> = (circles.iter())
-        .filter_map(|row| match row.circle {
-            Circle::Mark { horizontal, above } => Some(horizontal - if above { 0.0 } else { PI }),
-            _ => None,
-        })
-        .collect();
-    let Some(first) = marks.first() else {
-        return Err(refused(
-            "no reading of the azimuth mark: a row with horizontal_deg and without residual_nt".into(),
-        ));
-    };
-    let spread = marks.iter().map(|mark| wrapped(mark - first)).sum::<f64>() / marks.len() as f64;
-    if let Some(off) = marks.iter().map(|mark| wrapped(mark - first).abs()).find(|off| *off > 0.1) {
-        return Err(refused(format!(
-            "readings of the mark differ by {:.2}° with the faces that are stated; vertical_deg is 90 with the magnetometer above the telescope and 270 below, where the circle reads 180° more; the circle may be in grades (gon)",
-            off.to_degrees()
-        )));
-    }
-    let north = first + spread - set.azimuth[0];
-    let magnitude = scalars.iter().filter_map(|row| row.scalar_nt).map(|scalar| scalar + set.pillar[0]);
-    let magnitude = magnitude.sum::<f64>() / scalars.len() as f64;
-    if magnitude.is_nan() {
-        return Err(refused("no scalar magnetometer: reference_nt in the readings or beside the variometer; directions alone give no baseline in nT".into()));
-    }
-    let views = |level: bool, declination: f64| -> Vec<[f64; 4]> {
-        let of = |row: &&Row| match row.circle {
-            Circle::Field { horizontal, zenith, .. } if !level || row.is_level() => {
-                let azimuth = horizontal.map_or_else(|from| from + declination, |circle| circle - north);
-                let (sin, cos) = zenith.sin_cos();
-                Some([sin * azimuth.cos(), sin * azimuth.sin(), -cos, 1.0])
-            }
-            _ => None,
-        };
-        circles.iter().filter_map(of).collect()
-    };
-    // The declination by the level readings alone, then all of them in its meridian.
-    let level = views(true, 0.0);
-    let across = least(&level.iter().map(|[x, y, _, one]| [*x, *y, *one]).collect::<Vec<_>>());
-    let Some(across) = across.filter(|_| level.len() > 1) else {
-        return Err(missing(set, circles, north));
-    };
-    let declination = (across.y / across.x).atan();
-    let (sin, cos) = declination.sin_cos();
-    let all: Vec<[f64; 3]> =
-        views(false, declination).iter().map(|[x, y, z, one]| [x * cos + y * sin, *z, *one]).collect();
-    let Some(along) = least(&all) else { return Err(missing(set, circles, north)) };
-    let (h, z) = (along.x.abs(), along.y * along.x.signum());
-    let scale = magnitude / h.hypot(z);
-    let field = Vector3::new(h * cos, h * sin, z) * scale;
-    let baseline = components.baseline(&mean(circles), &field);
-    Ok([baseline.x, baseline.y, baseline.z, north, 0.0, 0.0, 0.0, 0.0])
-}
-
-/// The direction that rows say least of; rather without an offset, the last of three.
-fn least(rows: &[[f64; 3]]) -> Option<Vector3<f64>> {
-    let squares: Matrix3<f64> =
-        rows.iter().map(|row| Vector3::from(*row) * Vector3::from(*row).transpose()).sum();
-    let own = (squares + Matrix3::from_diagonal(&Vector3::new(0.0, 0.0, RATHER))).symmetric_eigen();
-    let found = own.eigenvectors.column(own.eigenvalues.imin()).into_owned();
-    (found.x != 0.0 && found.iter().all(|value| value.is_finite())).then_some(found)
-}
-
-/// That positions are missing, which.
-fn missing(set: &Set, circles: &[&Row], magnetic_north: f64) -> Error {
-    let there: Vec<String> = circles.iter().map(|row| row.position(magnetic_north)).collect();
-    let all = ["mark", "east", "west", "north", "south"]
-        .map(|view| ["up", "down"].map(|face| format!("{view} {face}")));
-    let missing: Vec<String> =
-        all.concat().into_iter().filter(|position| !there.contains(position)).collect();
-    let missing = if missing.is_empty() { "positions that differ".into() } else { missing.join(", ") };
-    Error::Unanswerable(format!(
-        "\"{}\": its readings do not determine declination, inclination and the errors of the instrument; missing: {missing}",
-        set.id
-    ))
 }
 
 impl Readings<'_> {
@@ -232,12 +137,13 @@ impl Readings<'_> {
         }
     }
 
-    fn sign(&self, row: &Row) -> f64 {
+    /// By how much the circle that the position is about reads too much, rad, for a weighted residual of 1: the
+    /// horizontal one where the telescope is level.
+    fn circle(&self, row: &Row) -> f64 {
         let (_, by_azimuth, by_zenith) = self.seen(row, &self.start);
         match row.circle {
-            Circle::Field { .. } if by_azimuth.abs() > by_zenith.abs() => -by_azimuth.signum(),
-            Circle::Field { .. } => -by_zenith.signum(),
-            _ => 1.0,
+            Circle::Field { .. } => -self.std(row) / if row.is_level() { by_azimuth } else { by_zenith },
+            _ => self.known.circle,
         }
     }
 
@@ -322,10 +228,10 @@ impl Found {
     }
 
     /// Of each circle its residual, and that without it, rad, with the studentised residual.
-    pub fn residuals(&self, known: Known) -> Vec<[f64; 3]> {
+    pub fn residuals(&self) -> Vec<[f64; 3]> {
         let influence = influence::influence(&self.fit, self.rows.len(), true, 0);
         let one = |(i, one): (usize, influence::Influence)| {
-            let rad = known.circle * self.signs[i];
+            let rad = self.per_residual[i];
             [self.fit.residual[i] * rad, one.leave_one_out * rad, one.t]
         };
         influence.into_iter().enumerate().map(one).collect()

@@ -7,7 +7,7 @@
 //! Source: J. Jankowski and C. Sucksdorff, IAGA Guide for Magnetic Measurements and Observatory Practice (1996),
 //! chapters 5 and 7; INTERMAGNET Technical Reference Manual, version 5.
 //!
-//! - `read` takes the circles and what the variometer read beside them, `fit` makes a measurement of them by least
+//! - `read` takes the circles and what the `variometer` read beside them, `fit` makes a measurement of them by least
 //!   squares, `sets` all of them with one uncertainty of the circle, and finds outliers. `checks` says what is wrong with
 //!   a sheet that fits nothing.
 //! - `adopted` is the baseline between the measurements: courses of more and less freedom, steps, and columns that it
@@ -17,8 +17,11 @@ mod adopted;
 mod checks;
 mod evidence;
 mod fit;
+mod joint;
 mod read;
 mod sets;
+mod start;
+mod variometer;
 mod words;
 
 pub use common::Error;
@@ -39,7 +42,7 @@ pub const PROCEDURES: [&str; 2] = [procedure::ABSOLUTE, procedure::VARIOMETER];
 ///
 /// No recording that can be used; a measurement that is incomplete, or that fits no field.
 pub fn run(mut document: Document, _options: &Options) -> Result<Document, Error> {
-    let variometer = read::variometer(&document)?;
+    let variometer = variometer::variometer(&document)?;
     let sets = read::sets(&document, variometer.as_ref())?;
     if sets.is_empty() {
         return Err(Error::Request("no recording with the procedure `absolute`; it needs the circles of a theodolite (horizontal_deg, vertical_deg) with residual_nt, the reading of its magnetometer".into()));
@@ -63,6 +66,7 @@ pub fn run(mut document: Document, _options: &Options) -> Result<Document, Error
             "no variometer: the field is taken as constant during each measurement, and there is no baseline",
         )),
     }
+    joint::put(&mut document, &measured, &result.sets)?;
     document.calibration.get_or_insert_default().absolute = Some(Box::new(result));
     Ok(document)
 }

@@ -1,27 +1,20 @@
 //! The readings of a theodolite and of the variometer beside it.
 
 use common::number::{bare, quoted, significant};
-use common::{Axis, Document, Error, Recording, procedure};
+use common::{Document, Error, Recording, procedure};
 use nalgebra::Vector3;
 use physics::Components;
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::sets::moment;
+use crate::variometer::{LONGEST_STEP_S, Variometer, components, needed, sensors};
+
 /// Telescope readings whose zenith angle is nearer to the horizon than this, with the circle read, may be those
 /// of the declination, rad.
 const LEVEL: f64 = 0.035;
-/// Rows of the variometer further apart than this do not say what the field was between them, s.
-const LONGEST_STEP_S: f64 = 90.0;
 
-/// The variometer: rows with all of what is used, in the order of time.
-pub struct Variometer {
-    pub components: Components,
-    pub recordings: Vec<String>,
-    /// Unix time, s.
-    pub time_s: Vec<f64>,
-    pub reading_nt: Vec<Vector3<f64>>,
-    /// The scalar magnetometer beside it, NaN where it did not read.
-    pub scalar_nt: Vec<f64>,
-}
+/// Measurements further apart than this are not of one baseline, s.
+const LONGEST_S: f64 = 50.0 * 365.25 * 86_400.0;
 
 /// One row of a measurement.
 #[derive(Clone, Debug)]
@@ -62,99 +55,6 @@ pub struct Set {
     pub without_variometer: Vec<usize>,
 }
 
-impl Variometer {
-    /// Readings and scalar at a moment, on the line between its neighbours.
-    pub fn at(&self, time_s: f64) -> Option<(Vector3<f64>, f64)> {
-        let next = self.time_s.partition_point(|time| *time < time_s);
-        if self.time_s.get(next) == Some(&time_s) {
-            return Some((self.reading_nt[next], self.scalar_nt[next]));
-        }
-        let before = next.checked_sub(1)?;
-        let (from, to) = (self.time_s[before], *self.time_s.get(next)?);
-        if to - from > LONGEST_STEP_S {
-            return None;
-        }
-        let share = (time_s - from) / (to - from);
-        let scalar = self.scalar_nt[before] + share * (self.scalar_nt[next] - self.scalar_nt[before]);
-        Some((self.reading_nt[before].lerp(&self.reading_nt[next], share), scalar))
-    }
-}
-
-/// The variometer's recordings as one series.
-///
-/// Errors: recordings without a start, or along other components.
-pub fn variometer(document: &Document) -> Result<Option<Variometer>, Error> {
-    let mut found: Option<Variometer> = None;
-    let mut rows: Vec<(f64, Vector3<f64>, f64)> = Vec::new();
-    for (index, recording) in document.recordings.iter().enumerate() {
-        if recording.procedure != procedure::VARIOMETER {
-            continue;
-        }
-        let path = format!("recordings[{index}]");
-        recording.at_hand(&path)?;
-        let Some(start) = recording.start() else {
-            let expected = "the moment at which time_s is zero, such as 2026-11-30T00:00:00Z";
-            return Err(Error::document(format!("{path}.start"), "none", expected));
-        };
-        let components = components(recording, &path)?;
-        let all = found.get_or_insert_with(|| Variometer {
-            components,
-            recordings: Vec::new(),
-            time_s: Vec::new(),
-            reading_nt: Vec::new(),
-            scalar_nt: Vec::new(),
-        });
-        if all.components != components {
-            let stated = format!("\"{}\" after \"{}\"", components.name(), all.components.name());
-            let expected = "one variometer in a document";
-            return Err(Error::document(format!("{path}.conditions.components"), stated, expected));
-        }
-        all.recordings.push(recording.id.clone());
-        let times = needed(recording, &path, "time_s")?;
-        let readings = sensors(recording, &path)?;
-        let scalar = recording.column("reference_nt");
-        for row in 0..times.len() {
-            let reading = readings.map(|column| column[row]);
-            if times[row].is_finite() && reading.iter().all(|value| value.is_finite()) {
-                let scalar = scalar.map_or(f64::NAN, |column| column[row]);
-                rows.push((start.unix_s + times[row], Vector3::from(reading), scalar));
-            }
-        }
-    }
-    rows.sort_by(|a, b| a.0.total_cmp(&b.0));
-    if let Some(all) = &mut found {
-        for (time, reading, scalar) in rows {
-            all.time_s.push(time);
-            all.reading_nt.push(reading);
-            all.scalar_nt.push(scalar);
-        }
-    }
-    Ok(found)
-}
-
-fn needed<'a>(recording: &'a Recording, path: &str, name: &str) -> Result<&'a [f64], Error> {
-    recording.column(name).ok_or_else(|| {
-        let expected = format!("{name}, which the procedure `{}` needs", recording.procedure);
-        Error::document(format!("{path}.columns"), format!("no column {name}"), expected)
-    })
-}
-
-fn sensors<'a>(recording: &'a Recording, path: &str) -> Result<[&'a [f64]; 3], Error> {
-    let [x, y, z] = Axis::ALL.map(|axis| needed(recording, path, &format!("sensor_{axis}_nt")));
-    Ok([x?, y?, z?])
-}
-
-fn components(recording: &Recording, path: &str) -> Result<Components, Error> {
-    let Some(stated) = recording.conditions.extra.get("components") else { return Ok(Components::default()) };
-    stated.as_str().and_then(Components::of).ok_or_else(|| {
-        Error::document(
-            format!("{path}.conditions.components"),
-            stated.to_string(),
-            "\"hez\", sensors along the magnetic meridian, across it and down, or \"xyz\", along geographic north, east and down",
-        )
-    })
-}
-
 /// The measurements, in the order of time.
 ///
 /// Errors: what a measurement lacks; circles that none has.
@@ -168,6 +68,14 @@ pub fn sets(document: &Document, variometer: Option<&Variometer>) -> Result<Vec<
         }
     }
     sets.sort_by(|a, b| time(a).total_cmp(&time(b)));
+    if let [first, .., last] = &sets[..]
+        && time(last) - time(first) > LONGEST_S
+    {
+        let middle = time(&sets[sets.len() / 2]);
+        let odd = if middle - time(first) > time(last) - middle { first } else { last };
+        let expected = "measurements within 50 years; check `start` and `time_s`";
+        return Err(Error::document(&odd.path, format!("one of {}", moment(time(odd))), expected));
+    }
     Ok(sets)
 }
 
@@ -213,16 +121,24 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
                 _ => Circle::Mark { horizontal, above: zenith.sin() > 0.0 },
             }
         } else {
-            let (horizontal, missing) = match (horizontal.is_nan(), direction.is_nan()) {
-                (false, _) => (Ok(horizontal), "vertical_deg"),
-                // Beyond 180° of zenith angle the view is opposite to the circle.
-                (true, false) => (Err(direction + if zenith.sin() < 0.0 { PI } else { 0.0 }), "vertical_deg"),
-                (true, true) => (Ok(horizontal), "horizontal_deg"),
+            let null = |name: &str, expected: &str| {
+                Err(Error::document(format!("{path}.columns.{name}[{row}]"), "null", expected))
             };
-            if zenith.is_nan() || matches!(horizontal, Ok(angle) if angle.is_nan()) {
-                let expected = "the circle of this reading; without the horizontal circle give `direction_deg`, 0 where the telescope looked to magnetic north and 180 to the south";
-                return Err(Error::document(format!("{path}.columns.{missing}[{row}]"), "null", expected));
+            if zenith.is_nan() {
+                return null(
+                    "vertical_deg",
+                    "the vertical circle of a reading of the magnetometer, as zenith angle",
+                );
             }
+            let horizontal = match (horizontal.is_nan(), direction.is_nan()) {
+                (false, _) => Ok(horizontal),
+                // Beyond 180° of zenith angle the view is opposite to the circle.
+                (true, false) => Err(direction + if zenith.sin() < 0.0 { PI } else { 0.0 }),
+                (true, true) => {
+                    let expected = "the horizontal circle; where it was not read give `direction_deg`, 0 where the telescope looked to magnetic north and 180 where it looked south";
+                    return null("horizontal_deg", expected);
+                }
+            };
             Circle::Field { horizontal, zenith, reading_nt: residual[row] }
         };
         let scalar =
@@ -232,10 +148,9 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
             (Some(reading), _) => {
                 (Some(reading).filter(|reading| reading.iter().all(|v| v.is_finite())), f64::NAN)
             }
-            (None, Some(variometer)) => match variometer.at(time_s) {
-                Some((reading, scalar)) => (Some(reading), scalar),
-                None => (None, f64::NAN),
-            },
+            (None, Some(variometer)) => {
+                (variometer.reading_nt.at(time_s), variometer.scalar_nt.at(time_s).unwrap_or(f64::NAN))
+            }
             (None, None) => (Some(Vector3::zeros()), f64::NAN),
         };
         let is_field = matches!(circle, Circle::Field { .. });
@@ -276,15 +191,21 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
     let both = |quantity: Option<common::Quantity>| {
         quantity.map_or([0.0; 2], |quantity| [quantity.value(), quantity.std().unwrap_or(0.0)])
     };
-    Ok(Set {
+    let components = own_components.or(variometer.map(|variometer| variometer.components));
+    let set = Set {
         id: recording.id.clone(),
         azimuth: both(azimuth).map(f64::to_radians),
         pillar: both(stated("pillar_difference_nt")),
-        components: own_components.or(variometer.map(|variometer| variometer.components)),
+        components,
         rows,
         path,
         without_variometer,
-    })
+    };
+    if own_components.is_some() && time(&set).is_nan() {
+        let expected = "`start` and `time_s` of its readings: a baseline value holds at a moment";
+        return Err(Error::document(set.path, "no times", expected));
+    }
+    Ok(set)
 }
 
 impl Row {

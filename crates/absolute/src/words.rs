@@ -12,7 +12,7 @@ pub fn summary(document: &Document) -> String {
     let Some(found) = calibration else { return String::new() };
     let count = found.sets.len();
     let mut lines = vec![format!(
-        "{}; standard uncertainty of a circle reading {}″",
+        "absolute: {}; standard uncertainty of a circle reading {}″",
         counted(count, "measurement"),
         significant(found.circle_arcsec, 2)
     )];
@@ -20,10 +20,9 @@ pub fn summary(document: &Document) -> String {
         let baseline: Vec<String> = set
             .baseline
             .iter()
-            .map(|(key, value)| match key.split_once('_') {
-                Some((name, "deg")) => format!("{}0 {value}°", name.to_uppercase()),
-                Some((name, _)) => format!("{}0 {value} nT", name.to_uppercase()),
-                None => format!("{key} {value}"),
+            .map(|(key, value)| {
+                let (name, unit) = named(key);
+                format!("{name} {value}{unit}")
             })
             .collect();
         let magnitude = set.f_nt.as_ref().map_or_else(String::new, |f| format!(", F {f} nT"));
@@ -38,9 +37,31 @@ pub fn summary(document: &Document) -> String {
     if count > LISTED {
         lines.push(format!("  … and {} more", count - LISTED));
     }
+    // Of one or two measurements there is no course to tell.
+    let adopted = found.adopted.iter().filter(|_| count > 2);
+    for (key, one) in adopted.flat_map(|adopted| &adopted.components) {
+        let share = one.probabilities.get(&one.course).copied().unwrap_or_default();
+        let (name, unit) = named(key);
+        let mut words = format!(
+            "  adopted {name}: {} (probability {}), left-out measurements differ by {}{unit} rms",
+            one.course,
+            significant(share, 2),
+            significant(one.left_out_rms, 2)
+        );
+        for follows in &one.follows {
+            words += &format!(", follows {} by {}{unit} a unit", follows.column, follows.coefficient);
+        }
+        lines.push(words);
+    }
     for set in &found.sets {
         lines.extend(set.findings.iter().map(|finding| format!("  \"{}\": {finding}", set.recording)));
     }
     lines.extend(found.findings.iter().map(|finding| format!("  {finding}")));
     lines.join("\n")
+}
+
+/// A baseline value and its unit as observers write them, by its key in the document.
+pub fn named(key: &str) -> (String, &'static str) {
+    let (letter, unit) = key.split_once('_').unwrap_or((key, ""));
+    (format!("{}0", letter.to_uppercase()), if unit == "deg" { "°" } else { " nT" })
 }

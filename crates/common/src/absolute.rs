@@ -122,9 +122,25 @@ pub struct AdoptedBaselines {
     /// Standard uncertainty that all values share, by component: the azimuth of the mark, the difference of the
     /// pillars. It is in `std`.
     pub common_std: IndexMap<String, f64>,
+    /// F at the theodolite less F where the scalar magnetometer is, as the measurements state it, nT.
+    pub pillar_difference_nt: f64,
     /// Keys that this version does not know.
     #[serde(flatten)]
     pub extra: Extra,
+}
+
+impl AdoptedBaselines {
+    /// Value and standard uncertainty of each component so long after `start`, without what it follows beside the
+    /// time; at a step the value behind it. None outside the nodes.
+    pub fn at(&self, time_s: f64) -> Option<Vec<[f64; 2]>> {
+        let next = self.time_s.partition_point(|node| *node <= time_s);
+        let next = if self.time_s.last() == Some(&time_s) { next - 1 } else { next };
+        let before = next.checked_sub(1)?;
+        let (from, to) = (*self.time_s.get(before)?, *self.time_s.get(next)?);
+        let share = if to > from { (time_s - from) / (to - from) } else { 0.0 };
+        let on = |all: &[f64]| Some(all.get(before)? + share * (all.get(next)? - all.get(before)?));
+        self.components.values().map(|one| Some([on(&one.value)?, on(&one.std)?])).collect()
+    }
 }
 
 /// The baseline of one component.
@@ -136,7 +152,8 @@ pub struct AdoptedBaseline {
     pub value: Vec<f64>,
     /// Standard uncertainty at each node.
     pub std: Vec<f64>,
-    /// The course of most evidence: `constant`, `line`, `parabola`, `cubic`, `random walk`, `spline`, `spline and random walk`.
+    /// The course of most evidence: `constant`, `line`, `parabola`, `cubic` or `spline`, with ` and random walk` or without;
+    /// `random walk` where there is nothing else.
     pub course: String,
     /// Probability of each course.
     pub probabilities: IndexMap<String, f64>,

@@ -50,7 +50,7 @@ codes! {
         ReferenceOffset, NotConstant, OffsetsWander, MagnitudeAssumed, CalibrationAssumed, LevelOnly, UnequalSensitivities,
         NotOrthogonal, LeftHanded, Rotated, AttitudeInverted, ShortWindows, CorrelationNotEstimated, Joined,
         TimesInterpolated, Filtered, Contribution, ClockOffset, ResidualIncreased, RegressionPredictsBetter,
-        DriftOrNoise, TimesJump, ClockNotConstant, AveragedReadings, DelayDependsOnPeriod, TimesShifted,
+        DriftOrNoise, TimesJump, BaselineSteps, ClockNotConstant, AveragedReadings, DelayDependsOnPeriod, TimesShifted,
         EventsUnassigned, TooManyEvents, SteadyChange, DiffersWhenDisturbed, DependsOnPeriod,
         BiasedByReference, PossiblyBiasedByReference, FieldTooQuiet, NoiseOfReference, ResponsesDiffer;
 }

@@ -7,7 +7,7 @@ use physics::{Context, References, Thermometer};
 
 /// A reading is missing; there is no field.
 pub const MISSING: u32 = 1;
-/// The chain cannot be run backwards; there is no field.
+/// The chain cannot be run backwards, or no baseline is adopted; there is no field.
 pub const NOT_INVERTIBLE: u32 = 2;
 /// A temperature is outside those at which the sensors were calibrated.
 pub const TEMPERATURE: u32 = 4;
@@ -19,7 +19,7 @@ pub const EFFECT_LEFT: u32 = 16;
 /// Every flag with what it says.
 pub const MEANINGS: [(u32, &str); 5] = [
     (MISSING, "a reading is missing"),
-    (NOT_INVERTIBLE, "the model cannot be inverted"),
+    (NOT_INVERTIBLE, "the model cannot be inverted, or no baseline is adopted"),
     (TEMPERATURE, "a temperature is outside the calibrated range"),
     (RANGE, "the field is outside the calibrated range"),
     (EFFECT_LEFT, "an effect of the model could not be corrected"),

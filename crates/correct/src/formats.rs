@@ -3,8 +3,6 @@
 
 mod cdf;
 mod iaga;
-// Written by the stage that adopts baselines.
-#[allow(dead_code)]
 pub(crate) mod ibf;
 mod imagcdf;
 mod imf;

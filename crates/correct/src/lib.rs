@@ -3,6 +3,9 @@
 //! The forward chain of `physics` is run backwards, and its derivatives by everything that is known with an
 //! uncertainty carry the covariances of the document to each row.
 //!
+//! A variometer is corrected by the baselines that `absolute` adopted (`variometer`), which `baselines` writes as
+//! INTERMAGNET's file of a year.
+//!
 //! `known` has every parameter behind the field with its uncertainty and the root of their covariance;
 //! `recording` gives the field with its derivatives by each of them. Without effects behind the field both
 //! are affine in the reading: `affine` takes them from four readings, and a row costs a matrix and six
@@ -10,21 +13,25 @@
 //! (`Kind::row_by_row`); otherwise it takes them whole.
 
 mod affine;
+mod baselines;
 pub mod flags;
 mod formats;
 mod known;
 mod noise;
 mod recording;
 mod table;
+mod variometer;
 mod words;
 
+pub use baselines::ibf;
 pub use common::Error;
 pub use formats::{Observatory, Station};
 pub use recording::{Corrected, Corrector};
 pub use table::{Request, correct_table};
+pub use variometer::frame;
 pub use words::{summary, table_summary};
 
-use common::{Axis, Column, Document, Quantity, Recording, procedure};
+use common::{Axis, Calibration, Column, Document, Quantity, Recording, procedure};
 use physics::Unit;
 
 /// The frame in which a field is given.
@@ -74,7 +81,9 @@ pub fn run(mut document: Document, frame: Frame) -> Result<Document, Error> {
         if !is_corrected(recording) {
             continue;
         }
-        check_sensitivities(&document, recording, &path)?;
+        if !variometer::is_by_baselines(&document, recording) {
+            check_sensitivities(&document, recording, &path)?;
+        }
         match corrector.correct(recording, &path, None) {
             Ok(corrected) => done.push((index, corrected)),
             Err(Error::Unanswerable(why)) => {
@@ -93,7 +102,11 @@ pub fn run(mut document: Document, frame: Frame) -> Result<Document, Error> {
         return Err(Error::Unanswerable(why));
     }
     for (index, corrected) in done {
+        let recording = &document.recordings[index];
+        let by_baselines = variometer::is_by_baselines(&document, recording);
+        let delta = by_baselines.then(|| variometer::delta_f(&document, recording, &corrected)).flatten();
         let columns = &mut document.recordings[index].columns;
+        columns.extend(delta.map(|delta| (variometer::DELTA_F.to_string(), Column::from(delta))));
         for (name, values) in frame.columns().into_iter().zip(corrected.into_columns()) {
             columns.insert(name, Column::from(values));
         }
@@ -105,15 +118,18 @@ pub fn run(mut document: Document, frame: Frame) -> Result<Document, Error> {
 fn is_corrected(recording: &Recording) -> bool {
     let all =
         |unit: &str| Axis::ALL.iter().all(|axis| recording.axis_column("sensor", *axis, unit).is_some());
-    recording.procedure != procedure::DIFFERENTIAL && (all("v") || all("nt"))
+    ![procedure::DIFFERENTIAL, procedure::ABSOLUTE].contains(&recording.procedure.as_str())
+        && (all("v") || all("nt"))
 }
 
 /// Without any calibration there is nothing to correct with.
 fn check(document: &Document) -> Result<(), Error> {
     let calibration = document.calibration.as_ref();
-    if calibration.is_none_or(|calibration| calibration.sensors.is_none() && calibration.axes.is_none()) {
-        let expected = "what scalarcal, or sensorcal and axescal found, or what you state in their place";
-        return Err(Error::document("calibration", "neither `sensors` nor `axes`", expected));
+    let none = |one: &Calibration| one.sensors.is_none() && one.axes.is_none() && one.absolute.is_none();
+    if calibration.is_none_or(none) {
+        let expected =
+            "what scalarcal, absolute, or sensorcal and axescal found, or what you state in their place";
+        return Err(Error::document("calibration", "neither `sensors` nor `axes` nor `absolute`", expected));
     }
     Ok(())
 }

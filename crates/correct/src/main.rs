@@ -66,6 +66,9 @@ struct StationOptions {
     /// The same as ImagCDF 1.2 (three or four letters)
     #[arg(long, value_name = "CODE", group = "station", requires = "calibration", conflicts_with_all = ["to", "frame"])]
     imagcdf: Option<String>,
+    /// Write the adopted baselines of DOCUMENT as INTERMAGNET's file of a year, IBFV2.00 (three letters)
+    #[arg(long, value_name = "CODE", conflicts_with_all = ["station", "calibration", "frame", "place", "magnitude_nt"])]
+    ibf: Option<String>,
     /// Time at which time_s is zero (RFC 3339), if the recording does not state it
     #[arg(long, value_name = "MOMENT", requires = "station")]
     start: Option<String>,
@@ -107,6 +110,12 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     if let Some(calibration) = &cli.calibration {
         return table(cli, calibration, frame);
     }
+    if let Some(code) = &cli.station.ibf {
+        let (input, document) = Input::document(cli.io.file.as_deref(), with_calibration)?;
+        let document = correct::run(document.clone(), Frame::Geo).unwrap_or(document);
+        let text = correct::ibf(&document, code).map_err(|error| input.locate(error))?;
+        return Ok(pipe::write(cli.io.output.as_deref(), &text)?);
+    }
     let frame_argument = (frame == Frame::Geo).then(|| "--frame=geo".to_string());
     let arguments = frame_argument.into_iter().chain(cli.magnitude.arguments()).collect();
     pipe::stage_or(
@@ -116,9 +125,10 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         with_calibration,
         |mut document| {
             cli.magnitude.state(&mut document, |_| true)?;
+            let frame = correct::frame(&document, frame);
             correct::run(document, frame)
         },
-        |document| correct::summary(document, frame),
+        |document| correct::summary(document, correct::frame(document, frame)),
     )?;
     Ok(())
 }
@@ -131,6 +141,7 @@ fn with_calibration(file: &str) -> String {
 fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
     cli.io.apart([calibration].into_iter().chain(cli.map.as_deref()))?;
     let (text, document) = Input::document(Some(calibration), with_calibration)?;
+    let frame = correct::frame(&document, frame);
     let place = cli.magnitude.at.place.map(|at| [at.latitude_deg, at.longitude_deg, at.height_m]);
     let station = cli.station.station(place);
     if place.is_some() && station.is_none() {

@@ -91,6 +91,9 @@ impl<'a> Corrector<'a> {
         path: &str,
         length_and_step_s: Option<[f64; 2]>,
     ) -> Result<Corrected, Error> {
+        if crate::variometer::is_by_baselines(self.document, recording) {
+            return crate::variometer::correct(self.document, recording, path);
+        }
         let at = |error: physics::Error| error.at(path);
         let Setting { basic, context } =
             Setting::of(self.document, recording, self.references).map_err(at)?;

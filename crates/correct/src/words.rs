@@ -5,7 +5,7 @@ use common::{Axis, Document, Recording};
 use estimate::stats::median_of;
 
 use crate::flags::MEANINGS;
-use crate::{Corrected, Frame};
+use crate::{Corrected, Frame, variometer};
 
 /// What became of many rows.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -86,7 +86,8 @@ pub fn summary(document: &Document, frame: Frame) -> String {
     }
     let head = format!("correct: {}, ", counted(corrected.len(), "recording"));
     let magnitudes = corrected.iter().filter_map(|recording| magnitude(recording, &names));
-    let notes = magnitudes.chain(notes(document, frame, corrected.iter().copied())).collect();
+    let deltas = corrected.iter().filter_map(|recording| variometer::words(recording));
+    let notes = magnitudes.chain(deltas).chain(notes(document, frame, corrected.iter().copied())).collect();
     text(&head, &tally, frame, notes)
 }
 
@@ -128,9 +129,13 @@ fn text(head: &str, tally: &Tally, frame: Frame, notes: Vec<String>) -> String {
 fn notes<'a>(
     document: &Document,
     frame: Frame,
-    mut corrected: impl Iterator<Item = &'a Recording>,
+    corrected: impl Iterator<Item = &'a Recording>,
 ) -> Vec<String> {
     let mut notes = Vec::new();
+    let mut corrected = corrected.filter(|one| !variometer::is_by_baselines(document, one)).peekable();
+    if corrected.peek().is_none() && variometer::adopted(document).is_some() {
+        return notes;
+    }
     let calibration = document.calibration.as_ref();
     let sensors = calibration.and_then(|calibration| calibration.axes.as_ref()?.sensors.as_ref());
     match sensors {

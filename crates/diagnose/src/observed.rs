@@ -11,6 +11,10 @@ use crate::Error;
 use crate::channel::{Channel, Reader, Run};
 use crate::magnitude;
 
+/// Procedures whose readings the chain of sensors and coils does not predict.
+const NOT_PREDICTED: [&str; 4] =
+    [procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL, procedure::ABSOLUTE, procedure::VARIOMETER];
+
 /// Fewest readings of a channel.
 const FEWEST: usize = 3;
 
@@ -79,8 +83,7 @@ impl<'a> Observed<'a> {
                 continue;
             }
             recording.at_hand(&path)?;
-            if [procedure::COIL_GRADIENT, procedure::NULLING_RESIDUAL].contains(&recording.procedure.as_str())
-            {
+            if NOT_PREDICTED.contains(&recording.procedure.as_str()) {
                 let what = format!(
                     "\"{}\" ({}) has no readings that the model predicts",
                     recording.id, recording.procedure

@@ -15,7 +15,7 @@ pub struct Program {
 }
 
 /// All of them, in the order in which a calibration needs them.
-pub const PROGRAMS: [Program; 11] = [
+pub const PROGRAMS: [Program; 12] = [
     Program { name: "simulate", does: "Simulate the recordings of a campaign from a plan" },
     Program {
         name: "ingest",
@@ -41,6 +41,10 @@ pub const PROGRAMS: [Program; 11] = [
     Program {
         name: "diffmag",
         does: "Compare two magnetometers side by side: how they are turned and scaled, noise, drift, clocks",
+    },
+    Program {
+        name: "absolute",
+        does: "Find declination, inclination and the baselines of a variometer by a theodolite with a magnetometer",
     },
     Program {
         name: "diagnose",

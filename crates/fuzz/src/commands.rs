@@ -44,9 +44,10 @@ pub fn program(words: &'static str) -> &'static str {
 }
 
 /// How often each kind is read.
-pub const KINDS: [(usize, FileKind); 11] = [
+pub const KINDS: [(usize, FileKind); 12] = [
     (56, FileKind::Document),
     (8, FileKind::Plan),
+    (2, FileKind::Observatory),
     (6, FileKind::Mapping),
     (4, FileKind::Spec),
     (3, FileKind::Piece),
@@ -63,13 +64,16 @@ const fn line(kind: FileKind, weight: usize, words: &'static str, writes: Writes
 }
 
 /// All command lines.
-pub const LINES: [Line; 81] = {
-    use FileKind::{Cdf, Csv, Iaga, Mapping, Ndjson, Orientations, Parquet, Piece, Plan, Spec};
+pub const LINES: [Line; 86] = {
+    use FileKind::{Cdf, Csv, Iaga, Mapping, Ndjson, Observatory, Orientations, Parquet, Piece, Plan, Spec};
     use Writes::{Documents, Json, Text};
     const DOC: FileKind = FileKind::Document;
     const TO_DOC: Writes = Writes::Document;
     const GEO_OF_A_TABLE: &str = "correct --frame geo --calibration IN --recording flight fixtures/correct/flight/readings.csv -o OUT.ndjson";
     const DAY_OF_AN_OBSERVATORY: &str = "correct --calibration IN --iaga FLX --start 2026-05-26T00:00:00Z fixtures/correct/flight/readings.csv -o OUT.min";
+    const MINUTES_OF_A_DAY: &str = "correct --calibration IN --imf FLX --place 47.93,15.87,1087 fixtures/ingest/flx20240310a.min -o OUT.imf";
+    const VALUES_OF_AN_OBSERVATORY: &str =
+        "correct --calibration IN --imagcdf FLX fixtures/ingest/flx20240310a.min -o OUT.cdf";
     [
         line(DOC, 10, "coilcal IN", TO_DOC),
         line(DOC, 1, "coilcal -", TO_DOC),
@@ -88,6 +92,7 @@ pub const LINES: [Line; 81] = {
         line(DOC, 1, "scalarcal --constant-magnitude --windows 60 IN", TO_DOC),
         line(DOC, 1, "scalarcal --known --reference-offset --with offset_temperature IN", TO_DOC),
         line(DOC, 1, "scalarcal stream --document IN fixtures/scalarcal/pieces/morning.csv", TO_DOC),
+        line(DOC, 5, "absolute IN", TO_DOC),
         line(DOC, 4, "diagnose IN", TO_DOC),
         line(DOC, 1, "diagnose --refit IN", TO_DOC),
         line(DOC, 1, "diagnose --against fixtures/diagnose/warm/input.json IN", TO_DOC),
@@ -97,6 +102,9 @@ pub const LINES: [Line; 81] = {
         line(DOC, 4, "correct --calibration IN fixtures/correct/flight/readings.csv -o OUT.csv", Text),
         line(DOC, 1, GEO_OF_A_TABLE, Text),
         line(DOC, 2, DAY_OF_AN_OBSERVATORY, Text),
+        line(DOC, 1, "correct --ibf FLX IN -o OUT.blv", Text),
+        line(DOC, 1, MINUTES_OF_A_DAY, Text),
+        line(DOC, 1, VALUES_OF_AN_OBSERVATORY, Text),
         line(DOC, 5, "report IN", Text),
         line(DOC, 7, "report --text IN", Text),
         line(DOC, 3, "report --text --spec fixtures/specs/magsat.json IN", Text),
@@ -113,6 +121,7 @@ pub const LINES: [Line; 81] = {
         line(Plan, 2, "simulate campaign --truth OUT-truth.json IN", TO_DOC),
         line(Plan, 2, "simulate campaign --run-sheet IN", Text),
         line(Plan, 2, "simulate sweep --seeds 1..2 IN", Documents),
+        line(Observatory, 1, "simulate observatory IN", TO_DOC),
         line(Mapping, 4, "ingest --map IN fixtures/ingest/logger.csv", TO_DOC),
         line(Mapping, 3, "ingest --map IN fixtures/bad/ingest/word.csv", TO_DOC),
         line(Mapping, 3, "ingest --map IN fixtures/ingest/counts.txt", TO_DOC),
@@ -157,7 +166,7 @@ pub const LINES: [Line; 81] = {
 
 /// Options with a number that is at times absurd (`#`) or a word that is (`@`), bars between them, by the
 /// beginning of the command line.
-pub const OPTIONS: [(&str, &str); 15] = [
+pub const OPTIONS: [(&str, &str); 16] = [
     ("coilcal", "--off-centre-m #|--nyquist-hz #"),
     ("sensorcal", "--turn-deg #|--axes-std-deg #|--budget-field-nt #|--budget-warmer-k #"),
     (
@@ -167,12 +176,13 @@ pub const OPTIONS: [(&str, &str); 15] = [
     ("diffmag stream", "--step-s #"),
     ("scalarcal", "--windows #"),
     ("diagnose", "--level #|--seed #"),
-    ("correct", "--recording @|--start @|--iaga @"),
+    ("correct", "--recording @|--start @|--iaga @|--imf @|--imagcdf @"),
     ("series average", "--window #|--share #|--recording @"),
     ("series resample", "--step #|--recording @"),
     ("series cut", "--from #|--to #|--from @"),
     ("series join", "--id @|--procedure @"),
     ("simulate campaign", "--seed #"),
+    ("simulate observatory", "--seed #"),
     ("simulate replay", "--seed #"),
     ("simulate sweep", "--set noise=#|--set seed=#,#|--set @=#|--seeds #..#"),
     ("ingest", "--declination-base-arcmin #|--id @|--procedure @|--as reference|--as test"),
@@ -181,16 +191,23 @@ pub const OPTIONS: [(&str, &str); 15] = [
 /// The programs that read what a program wrote.
 pub fn next(program: &str) -> &'static [&'static str] {
     match program {
-        "simulate" => &["coilcal", "sensorcal", "axescal", "diffmag", "correct", "report --text"],
-        "ingest" => {
-            &["report --text", "diagnose", "diffmag", "correct", "sensorcal", "series average --window 60"]
-        }
+        "simulate" => &["coilcal", "sensorcal", "axescal", "diffmag", "absolute", "correct", "report --text"],
+        "ingest" => &[
+            "report --text",
+            "diagnose",
+            "diffmag",
+            "absolute",
+            "correct",
+            "sensorcal",
+            "series average --window 60",
+        ],
         "series" => &["report --text"],
         "coilcal" => &["sensorcal", "axescal", "diagnose", "correct", "report --text", "coilcal"],
         "sensorcal" => &["axescal", "diagnose", "correct", "report", "sensorcal"],
         "axescal" => &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay"],
         "diffmag" => &["report --text", "diffmag", "correct"],
         "scalarcal" => &["report --text", "correct", "diagnose", "scalarcal"],
+        "absolute" => &["report --text", "correct", "absolute"],
         "diagnose" => &["correct", "report --text", "diagnose", "simulate replay"],
         "correct" => &["report --text", "diagnose", "correct"],
         _ => &[],

@@ -86,6 +86,7 @@ fn near(program: &str) -> &'static [&'static str] {
         "sensorcal" => &["sensorcal/", "simulate/every-procedure/expected", "specs/calibrated/input"],
         "axescal" => &["axescal/", "nasa-1977/", "simulate/", "bad/axes", "made"],
         "diffmag" => &["diffmag/", "ingest/", "made"],
+        "absolute" => &["absolute/", "ingest/absolute"],
         "diagnose" => &["diagnose/", "correct/flight", "simulate/replay"],
         "correct" => &["correct/", "diagnose/warm", "axescal/magsat"],
         "report" => &["expected", "specs/", "bad/report/"],

@@ -9,6 +9,8 @@ pub enum FileKind {
     Document,
     /// What `simulate` carries out.
     Plan,
+    /// What `simulate observatory` carries out.
+    Observatory,
     /// How `ingest` reads columns.
     Mapping,
     /// What `report` holds a document against.
@@ -61,6 +63,8 @@ impl FileKind {
             FileKind::Spec
         } else if has("procedures") {
             FileKind::Plan
+        } else if has("weeks") {
+            FileKind::Observatory
         } else {
             FileKind::Document
         }

@@ -6,7 +6,7 @@ use std::process::Command;
 use crate::Error;
 
 /// All programs that read files.
-pub const NAMES: [&str; 10] = [
+pub const NAMES: [&str; 11] = [
     "simulate",
     "ingest",
     "series",
@@ -14,6 +14,7 @@ pub const NAMES: [&str; 10] = [
     "sensorcal",
     "axescal",
     "diffmag",
+    "absolute",
     "diagnose",
     "correct",
     "report",

@@ -65,6 +65,11 @@ pub fn add(
         extra: Extra::from_iter([("source".to_string(), source)]),
         ..Recording::default()
     };
+    // The axes of a sensor along H and E are those of a variometer.
+    let letters = pieces.first().and_then(|piece| piece.header.get("components")?.as_str());
+    if letters.is_some_and(|letters| letters.contains('H') && letters.contains('E')) {
+        recording.conditions.extra.insert("components".into(), "hez".into());
+    }
     let table = match table {
         Some(path) => Some(Table { path, columns }),
         None => {

@@ -55,7 +55,8 @@ fn root() -> PathBuf {
 fn runs(page: &str) {
     let root = root();
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    let others = "simulate ingest series coilcal sensorcal scalarcal diffmag diagnose correct report fluxcal";
+    let others =
+        "simulate ingest series coilcal sensorcal scalarcal diffmag absolute diagnose correct report fluxcal";
     for other in others.split(' ') {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
@@ -122,6 +123,7 @@ pages! {
     axescal: "docs/axescal.md",
     scalarcal: "docs/scalarcal.md",
     diffmag: "docs/diffmag.md",
+    absolute: "docs/absolute.md",
     partial: "docs/partial.md",
     diagnose: "docs/diagnose.md",
     correct: "docs/correct.md",

@@ -41,6 +41,7 @@ fn committed_schema_and_fixtures() {
     documents(&root().join("fixtures/nasa-1977"), &mut all);
     documents(&root().join("fixtures/axescal"), &mut all);
     documents(&root().join("fixtures/coilcal"), &mut all);
+    documents(&root().join("fixtures/absolute"), &mut all);
     assert!(all.len() > 10);
     for path in all {
         let document: Value =

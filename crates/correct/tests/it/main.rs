@@ -10,3 +10,4 @@ mod help;
 mod joint;
 mod laws;
 mod truth;
+mod variometer;

@@ -1,6 +1,7 @@
 //! What looks wrong, section by section, each finding with what it does to the result by numbers that the
 //! document holds: the modules below have a function of its code for each part of a document.
 
+mod absolute;
 mod axes;
 mod differential;
 mod sensors;
@@ -50,6 +51,7 @@ pub fn of(section: &str, document: &Document) -> Vec<Finding> {
             let all = calibration.iter().flat_map(|found| &found.scalar);
             all.flat_map(|scalar| findings("", &scalar.findings, &**scalar, axes::scalar)).collect()
         }
+        "absolute" => absolute::all(document),
         "differential" => {
             let all = calibration.iter().flat_map(|found| &found.differential);
             all.flat_map(of_difference).collect()

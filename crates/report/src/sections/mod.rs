@@ -1,6 +1,7 @@
 //! The page: its head, by `head.jinja`, the list of all findings, and the sections that `sections.jinja` makes of a
 //! document, each with its findings.
 
+mod absolute;
 mod axes;
 mod axes_map;
 mod coils;
@@ -66,6 +67,7 @@ fn given(document: &Document) -> (Value, Plots) {
         axes::plots(&mut plots, calibration);
         scalar::plots(&mut plots, calibration);
     }
+    absolute::plots(&mut plots, document);
     residuals::of_diagnosis(&mut plots, document);
     let pair = calibration.and_then(|found| found.differential.as_ref()?.fit.as_ref());
     plots.insert(

@@ -102,6 +102,10 @@ fn is_read(document: &Document, recording: &Recording) -> bool {
         procedure::FREE_RUN => {
             calibration.scalar.as_ref().is_some_and(|scalar| scalar.recordings.contains(&recording.id))
         }
+        procedure::ABSOLUTE | procedure::VARIOMETER => calibration.absolute.as_ref().is_some_and(|found| {
+            found.variometer.contains(&recording.id)
+                || found.sets.iter().any(|set| set.recording == recording.id)
+        }),
         _ => false,
     }
 }

@@ -8,7 +8,7 @@ use minijinja::{Value, context};
 /// A unit of time.
 pub struct Clock {
     pub unit: &'static str,
-    seconds: f64,
+    pub seconds: f64,
 }
 
 impl Clock {

@@ -12,7 +12,7 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::Command;
 
-const CASES: [&str; 8] = [
+const CASES: [&str; 9] = [
     "coilcal/every-procedure/expected.json",
     "sensorcal/small/expected.json",
     "axescal/magsat/expected.json",
@@ -21,6 +21,7 @@ const CASES: [&str; 8] = [
     "correct/flight/expected.json",
     "ingest/logger/expected.json",
     "specs/calibrated/input.json",
+    "report/observatory.json",
 ];
 
 /// Widths of a desk and of a phone, CSS pixels.

@@ -119,6 +119,28 @@ fn a_part_of_the_time_counts_by_the_parameter_that_stands_out_most() {
 }
 
 #[test]
+fn findings_on_absolute_measurements_and_their_baselines() {
+    let set = |recording: &str, day: u8| json!({"recording": recording, "time": format!("2025-01-{day:02}T12:00:00Z")});
+    let mut misread = set("b", 2);
+    misread["readings"] = json!([{"residual_arcsec": 40.0, "leave_one_out_arcsec": 60.0, "t": 9.0}, {"residual_arcsec": 1.0, "leave_one_out_arcsec": 1.1, "t": -2.0}]);
+    misread["findings"] = json!(["row 0 is off by 60″"]);
+    misread["finding_codes"] = json!(["outliers:b"]);
+    let step = |size: f64| json!({"value": [0.0], "std": [1.0], "steps": [{"after": "a", "before": "c", "size": size}]});
+    let document = json!({"fluxcal": 1, "calibration": {"absolute": {
+        "sets": [set("a", 1), misread, set("c", 3)],
+        "adopted": {"start": "2025-01-01T00:00:00Z", "time_s": [0.0], "components": {"h_nt": step(-3.0), "d_deg": step(0.01)}},
+        "findings": ["h_nt of \"c\" is off", "h_nt steps by −3", "d_deg steps by 0.01"],
+        "finding_codes": ["outliers:c", "baseline_steps:h_nt", "baseline_steps:d_deg"]}}});
+    let expected = [
+        ("36 arcsec", "d_deg steps by 0.01"),
+        ("20 arcsec", "b: row 0 is off"),
+        ("3 nT", "h_nt steps by −3"),
+        ("– (left out of the result)", "h_nt of \"c\" is off"),
+    ];
+    assert_eq!(listed(&document), expected.map(|(effect, words)| (effect.into(), words.into())));
+}
+
+#[test]
 fn a_number_that_the_document_does_not_hold_is_not_made_up() {
     let said = ["without numbers", "of a later version", "without a code"];
     let bare = sensor("sensitivity", json!({"findings": said, "finding_codes": ["nonlinear", "of_later"]}));

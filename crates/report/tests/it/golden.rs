@@ -22,6 +22,10 @@ fn golden() {
     }
     let uneven = page(&fixture("coilcal/uneven/expected.json"));
     same("report/coilcal-uneven.html", &bare(&uneven));
+    // By simulate, absolute and correct, with few rows of the variometer.
+    let observatory = page(&fixture("report/observatory.json"));
+    same("report/observatory.txt", &text::render(&observatory));
+    same("report/observatory.html", &bare(&observatory));
     let empty = page(&json!({"fluxcal": 1}));
     same("report/empty.txt", &text::render(&empty));
     same("report/empty.html", &bare(&empty));

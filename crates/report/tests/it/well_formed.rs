@@ -85,6 +85,7 @@ fn every_fixture_gives_a_page() {
         assert!(!page.sections.is_empty(), "{case}");
         check(case, &page);
     }
+    check("observatory", &page(&fixture("report/observatory.json")));
     check("empty", &page(&json!({"fluxcal": 1})));
 }
 

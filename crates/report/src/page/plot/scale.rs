@@ -1,6 +1,16 @@
 //! From values to places on the drawing; where an axis has its marks, and what stands at them.
 
+use common::time::Start;
+
+use super::drawn::Timeline;
 use crate::page::number;
+
+const DAY_S: f64 = 86_400.0;
+/// Steps between marks within a day, s.
+const CLOCK_S: [f64; 18] = [
+    1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 900.0, 1800.0, 3600.0, 7200.0, 10_800.0,
+    21_600.0, 43_200.0, DAY_S,
+];
 
 /// A scale: the values from `low` to `high` lie between two places.
 #[derive(Clone, Copy, Debug)]
@@ -59,6 +69,31 @@ impl Scale {
         let marks = if self.log { decades } else { linear };
         marks(self.low, self.high, wanted)
     }
+
+    /// Marks at times of day and dates, as the script has them; None where no date is known or seconds are too long.
+    pub fn moments(&self, time: &Timeline, wanted: usize) -> Option<Vec<Tick>> {
+        let epoch = time.epoch_s?;
+        let [low, high] = [self.low, self.high].map(|value| epoch + value * time.unit_s);
+        let rough = 0.7 * (high - low) / wanted as f64;
+        let days = || DAY_S * step_near(rough / DAY_S).1.max(1.0);
+        let step = CLOCK_S.into_iter().find(|step| *step >= rough).unwrap_or_else(days);
+        let tick = |moment: f64| {
+            let text = moment_text(moment)?;
+            let label = if moment % DAY_S == 0.0 {
+                &text[..10]
+            } else {
+                &text[11..if step < 60.0 { 19 } else { 16 }]
+            };
+            Some(Tick { at: (moment - epoch) / time.unit_s, label: label.into() })
+        };
+        let [first, last] = [(low / step).ceil() as i64, (high / step).floor() as i64];
+        (rough >= 0.5).then(|| (first..=last).map(|n| tick(n as f64 * step)).collect())?
+    }
+}
+
+/// `2026-11-30T09:30:00Z`.
+pub fn moment_text(unix_s: f64) -> Option<String> {
+    Start { unix_s: unix_s.floor(), offset_s: 0.0 }.text()
 }
 
 /// A mark of an axis.
@@ -70,18 +105,21 @@ pub struct Tick {
     pub label: String,
 }
 
-/// Marks at multiples of 1, 2 or 5 times a power of ten, about `wanted` of them.
-fn linear(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
-    let rough = (high - low) / wanted as f64;
+/// Power of ten and size of a step of 1, 2 or 5.
+fn step_near(rough: f64) -> (i32, f64) {
     let power = rough.log10().floor() as i32;
-    let unit = 10f64.powi(power);
-    let (factor, power) = match rough / unit {
+    let (factor, power) = match rough / 10f64.powi(power) {
         ratio if ratio <= 1.5 => (1.0, power),
         ratio if ratio <= 3.2 => (2.0, power),
         ratio if ratio <= 7.0 => (5.0, power),
         _ => (1.0, power + 1),
     };
-    let step = factor * 10f64.powi(power);
+    (power, factor * 10f64.powi(power))
+}
+
+/// Marks at multiples of 1, 2 or 5 times a power of ten, about `wanted` of them.
+fn linear(low: f64, high: f64, wanted: usize) -> Vec<Tick> {
+    let (power, step) = step_near((high - low) / wanted as f64);
     let [first, last] = [(low / step - 1e-9).ceil() as i64, (high / step + 1e-9).floor() as i64];
     let at = (first..=last).map(|n| n as f64 * step);
     let largest = low.abs().max(high.abs());
@@ -146,6 +184,25 @@ mod tests {
         assert!(single.low < 6400.0 && single.high > 6400.0);
         assert!(Scale::over([f64::NAN].into_iter(), false).is_none());
         assert!(Scale::over([-1.0].into_iter(), true).is_none());
+    }
+
+    #[test]
+    fn dates_and_times_of_day() {
+        let time = |unit_s: f64| Timeline {
+            recording: String::new(),
+            group: String::new(),
+            unit_s,
+            epoch_s: Some(86_400.0),
+        };
+        let scale = |high: f64| Scale { low: 0.0, high, places: [0.0, 1.0], log: false };
+        let hours = scale(26.0).moments(&time(3600.0), 4).expect("dated");
+        assert_eq!(labels(&hours), ["1970-01-02", "06:00", "12:00", "18:00", "1970-01-03"]);
+        assert_eq!(hours[1].at, 6.0);
+        assert_eq!(
+            labels(&scale(10.0).moments(&time(86_400.0), 3).expect("dated"))[..2],
+            ["1970-01-03", "1970-01-05"]
+        );
+        assert_eq!(scale(1.0).moments(&time(1.0), 4), None);
     }
 
     fn labels(ticks: &[Tick]) -> Vec<&str> {

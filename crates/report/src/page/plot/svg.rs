@@ -1,7 +1,7 @@
 use std::fmt::Write;
 
 use super::drawn::{Mark, Plot, Point, Series};
-use super::scale::{Scale, Tick};
+use super::scale::{Scale, Tick, moment_text};
 use crate::page::words::escape;
 
 /// Size of a drawing; a map is as high as it must be.
@@ -45,7 +45,7 @@ pub fn svg(plot: &Plot) -> String {
     );
     // A minor mark has no label.
     let grid = |tick: &Tick| if tick.label.is_empty() { "minor" } else { "grid" };
-    for tick in spaced(&x) {
+    for tick in spaced(&x, plot) {
         if let Some(at) = x.place(tick.at) {
             path(&mut out, grid(&tick), &format!("M{at:.1} {ABOVE}V{bottom:.1}"));
             label(&mut out, "x", at, bottom + 20.0, &tick.label);
@@ -59,7 +59,7 @@ pub fn svg(plot: &Plot) -> String {
     }
     let _ = write!(out, "<path class=\"frame\" d=\"M{left:.1} {ABOVE}V{bottom:.1}H{right:.1}\"/>");
     label(&mut out, "label", 2.0, 13.0, &shortened(plot.y.text()));
-    label(&mut out, "label x", (left + right) / 2.0, bottom + 38.0, &shortened(plot.x.text()));
+    label(&mut out, "label x", (left + right) / 2.0, bottom + 38.0, &shortened(below(&x, plot)));
     let _ = write!(out, "<g clip-path=\"url(#{id}_clip)\">");
     let marked = plot.series.len() > 1;
     for series in &plot.series {
@@ -102,13 +102,26 @@ fn shortened(text: String) -> String {
 }
 
 /// As many marks along x as have room for their labels.
-fn spaced(x: &Scale) -> Vec<Tick> {
-    let room = x.places[1] - x.places[0];
-    let width = |tick: &Tick| {
-        if tick.label.is_empty() { 0.0 } else { CHARACTER * tick.label.chars().count() as f64 + 12.0 }
+fn spaced(x: &Scale, plot: &Plot) -> Vec<Tick> {
+    let end = |tick: &Tick, side: f64| {
+        Some(x.place(tick.at)? + side * (CHARACTER / 2.0 * tick.label.chars().count() as f64 + 4.0))
     };
-    let fits = |ticks: &Vec<Tick>| ticks.iter().map(width).sum::<f64>() <= room;
-    (2..=7).rev().map(|wanted| x.ticks(wanted)).find(fits).unwrap_or_else(|| x.ticks(1))
+    let fits = |ticks: &Vec<Tick>| {
+        let labelled: Vec<&Tick> = ticks.iter().filter(|tick| !tick.label.is_empty()).collect();
+        labelled.windows(2).all(|pair| end(pair[0], 1.0) < end(pair[1], -1.0))
+    };
+    let dated = |wanted| plot.time.as_ref().and_then(|time| x.moments(time, wanted));
+    let ticks = |wanted| dated(wanted).unwrap_or_else(|| x.ticks(wanted));
+    let mut found = (2..=7).rev().map(ticks).find(fits).unwrap_or_else(|| ticks(1));
+    // A date at the edge would be cut.
+    found.retain(|tick| end(tick, 1.0) < Some(WIDTH + 4.0));
+    found
+}
+
+/// What runs along x; of times with the date where the drawing begins.
+fn below(x: &Scale, plot: &Plot) -> String {
+    let begins = plot.time.as_ref().and_then(|time| moment_text(time.epoch_s? + x.low * time.unit_s));
+    begins.map_or_else(|| plot.x.text(), |text| format!("{} (UTC, {})", plot.x.label, &text[..10]))
 }
 
 /// Makes one step along x as long as one along y, on a square.

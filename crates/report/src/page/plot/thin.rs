@@ -9,12 +9,13 @@ const COLUMNS: usize = 400;
 /// The plot with its long series thinned, and a sentence where that was done: of each 1/400 of the width the
 /// lowest and the highest point remain, so that no excursion is lost.
 pub fn thinned(mut plot: Plot) -> (Plot, Option<String>) {
-    let rows = plot.points().count();
+    let count = |plot: &Plot| plot.series.iter().flat_map(Series::values).count();
+    let rows = count(&plot);
     let log = plot.x.log;
     for series in &mut plot.series {
         thin(series, log);
     }
-    let kept = plot.points().count();
+    let kept = count(&plot);
     let note = (kept < rows).then(|| {
         format!(
             "Of {rows} rows {kept} are drawn and in the data: the lowest and the highest of each 1/{COLUMNS} of the width."
@@ -29,13 +30,19 @@ fn thin(series: &mut Series, log: bool) {
     }
     let along = |point: &Point| if log { point.x.log10() } else { point.x };
     let Some([low, high]) = number::ends(series.points.iter().map(along)) else { return };
-    // In each column the lowest and the highest row, and the first that is missing: there a line is parted.
+    // In each column the lowest and the highest row, and the last that is missing: there a line is parted.
     let mut columns: HashMap<usize, [Option<usize>; 3]> = HashMap::new();
-    for (row, point) in series.points.iter().enumerate().filter(|(_, point)| along(point).is_finite()) {
-        let column = ((along(point) - low) / (high - low) * COLUMNS as f64) as usize;
-        let [lowest, highest, missing] = columns.entry(column.min(COLUMNS - 1)).or_default();
+    let mut column = 0;
+    for (row, point) in series.points.iter().enumerate() {
+        if along(point).is_finite() {
+            column = (((along(point) - low) / (high - low) * COLUMNS as f64) as usize).min(COLUMNS - 1);
+        }
+        // A gap between parts is where the first of them ends.
+        let [lowest, highest, missing] = columns.entry(column).or_default();
         if !point.y.is_finite() {
-            missing.get_or_insert(row);
+            *missing = Some(row);
+        }
+        if !point.y.is_finite() || !along(point).is_finite() {
             continue;
         }
         if lowest.is_none_or(|lowest| point.y < series.points[lowest].y) {
@@ -74,6 +81,10 @@ mod tests {
         assert!(plot.series[0].points.iter().any(|point| point.y.is_nan()));
         assert!(plot.series[0].points.iter().any(|point| point.x == 54_321.0 && point.y == 40.0));
         assert_eq!(plot.series[1].points.len(), 2);
+        let mut parted = Series::new("parted", Mark::Line, 0, &x[..600], &y[..600]);
+        parted.append(&x[9000..9600], &y[9000..9600]);
+        let (parted, _) = thinned(Plot::new("q", "Q").with(parted));
+        assert!(parted.points().any(|point| point.x.is_nan()));
         assert!(note.expect("a note").starts_with("Of 100002 rows "));
     }
 }

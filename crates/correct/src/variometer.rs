@@ -1,0 +1,128 @@
+//! The field of a variometer by the baselines that `absolute` adopted: definitive data of an observatory.
+
+use common::number::significant;
+use common::{AdoptedBaselines, Axis, Document, Error, Recording, procedure};
+use estimate::stats::{median, rms};
+use nalgebra::{Matrix3, Vector3};
+use physics::{Components, Unit};
+
+use crate::noise::{length_and_step_s, variance_nt2};
+use crate::{Corrected, Frame, flags};
+
+/// |vector| less the scalar magnetometer with the difference of the pillars.
+pub const DELTA_F: &str = "delta_f_nt";
+
+/// The adopted baselines of a document, where it has some.
+pub fn adopted(document: &Document) -> Option<(Components, &AdoptedBaselines)> {
+    let absolute = document.calibration.as_ref()?.absolute.as_ref()?;
+    Some((Components::of(absolute.components.as_deref()?)?, absolute.adopted.as_ref()?))
+}
+
+/// Whether a recording is corrected by them: one of a variometer, and in a document that knows no sensors any other.
+pub fn is_by_baselines(document: &Document, recording: &Recording) -> bool {
+    let of_sensors =
+        document.calibration.as_ref().is_some_and(|all| all.sensors.is_some() || all.axes.is_some());
+    adopted(document).is_some() && (recording.procedure == procedure::VARIOMETER || !of_sensors)
+}
+
+/// The frame of what is asked for: baselines give the field north, east and down.
+pub fn frame(document: &Document, asked: Frame) -> Frame {
+    let first = document.recordings.iter().find(|one| one.procedure == procedure::VARIOMETER);
+    let by_baselines = first.map_or_else(
+        || is_by_baselines(document, &Recording::default()),
+        |recording| is_by_baselines(document, recording),
+    );
+    if by_baselines { Frame::Geo } else { asked }
+}
+
+/// Corrects a recording: B of `physics::Components` with the baseline at the time of each row.
+///
+/// Errors: a recording without a start or times.
+pub fn correct(document: &Document, recording: &Recording, path: &str) -> Result<Corrected, Error> {
+    let Some((components, baselines)) = adopted(document) else { return Ok(Corrected::default()) };
+    let Some((start, times)) = recording.start().zip(recording.column("time_s")) else {
+        let expected =
+            "start and time_s: a baseline changes with time; of a file --recording gives the start";
+        return Err(Error::document(path, "no times", expected));
+    };
+    let origin = common::time::Start::parse(&baselines.start).map_or(0.0, |origin| origin.unix_s);
+    let readings = Axis::ALL.map(|axis| recording.axis_column("sensor", axis, "nt").unwrap_or_default());
+    let units = Vector3::from(components.units());
+    let series = length_and_step_s(times);
+    let noise = Axis::ALL.map(|axis| variance_nt2(document, axis, Unit::Nanotesla, 1.0, series));
+    let noise = Matrix3::from_diagonal(&Vector3::from(noise));
+    let mut left = Vec::new();
+    let mut follows = Vec::new();
+    for (k, baseline) in baselines.components.values().enumerate() {
+        for one in &baseline.follows {
+            match recording.column(&one.column) {
+                Some(column) => follows.push((k, one, column)),
+                None => {
+                    left.push(format!("the baseline is not corrected for {}, which is missing", one.column))
+                }
+            }
+        }
+    }
+    let common = if left.is_empty() { 0 } else { flags::EFFECT_LEFT };
+    let mut corrected = Corrected { left, ..Corrected::default() };
+    for (row, time) in times.iter().enumerate() {
+        let reading = Vector3::from(readings.map(|column| column.get(row).copied().unwrap_or(f64::NAN)));
+        let known = baselines.at(start.unix_s - origin + time);
+        let mut flag = common;
+        let (mut field, mut std) = (Vector3::repeat(f64::NAN), Vector3::repeat(f64::NAN));
+        match known {
+            _ if reading.iter().any(|value| !value.is_finite()) => flag |= flags::MISSING,
+            None => flag |= flags::NOT_INVERTIBLE,
+            Some(known) => {
+                let mut value = Vector3::from_fn(|k, _| known[k][0]);
+                let mut variance = Vector3::from_fn(|k, _| known[k][1].powi(2));
+                for (k, one, column) in &follows {
+                    let off = column[row] - one.reference;
+                    value[*k] += one.coefficient.value() * off;
+                    variance[*k] += (one.coefficient.std().unwrap_or(0.0) * off).powi(2);
+                }
+                let (found, by) = components.field_nt(&reading, &value.component_mul(&units));
+                let own = variance.component_mul(&units.component_mul(&units));
+                // The frame hardly turns: the noise of its sensors is that along north and east.
+                let covariance = by * Matrix3::from_diagonal(&own) * by.transpose() + noise;
+                if found.iter().all(|value| value.is_finite()) {
+                    (field, std) = (found, covariance.diagonal().map(f64::sqrt));
+                } else {
+                    flag |= flags::MISSING;
+                }
+            }
+        }
+        for k in 0..3 {
+            corrected.field_nt[k].push(field[k]);
+            corrected.std_nt[k].push(std[k]);
+        }
+        corrected.flags.push(flag);
+    }
+    Ok(corrected)
+}
+
+/// ΔF of a corrected recording with a scalar magnetometer.
+pub fn delta_f(document: &Document, recording: &Recording, corrected: &Corrected) -> Option<Vec<f64>> {
+    let (_, baselines) = adopted(document)?;
+    let scalar = recording.column("reference_nt")?;
+    let [x, y, z] = &corrected.field_nt;
+    let one = |row: usize| x[row].hypot(y[row]).hypot(z[row]) - scalar[row] - baselines.pillar_difference_nt;
+    Some((0..scalar.len()).map(one).collect())
+}
+
+/// What ΔF says, in words.
+pub fn words(recording: &Recording) -> Option<String> {
+    let mut all: Vec<f64> =
+        recording.column(DELTA_F)?.iter().copied().filter(|value| value.is_finite()).collect();
+    if all.is_empty() {
+        return None;
+    }
+    let middle = median(&all);
+    all.iter_mut().for_each(|value| *value -= middle);
+    Some(format!(
+        "\"{}\": |vector| less the scalar magnetometer (delta_f_nt) is {} nT in the median, its rms about that {} nT",
+        recording.id,
+        significant(middle, 2),
+        significant(rms(&all), 2)
+    ))
+}
