@@ -45,6 +45,15 @@ pub fn correct(document: &Document, recording: &Recording, path: &str) -> Result
             "start and time_s: a baseline changes with time; of a file --recording gives the start";
         return Err(Error::document(path, "no times", expected));
     };
+    let stated = recording.conditions.extra.get("components").and_then(|stated| stated.as_str());
+    if let Some(other) = stated.filter(|stated| *stated != components.name()) {
+        let expected = format!("\"{}\", for which the baselines were adopted", components.name());
+        return Err(Error::document(
+            format!("{path}.conditions.components"),
+            format!("\"{other}\""),
+            expected,
+        ));
+    }
     let origin = common::time::Start::parse(&baselines.start).map_or(0.0, |origin| origin.unix_s);
     let readings = Axis::ALL.map(|axis| recording.axis_column("sensor", axis, "nt").unwrap_or_default());
     let units = Vector3::from(components.units());
