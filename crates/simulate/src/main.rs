@@ -9,7 +9,7 @@ use program::pipe::{self, Input, Io, Program, Sink, StageIo};
 use program::place::AtPlace;
 use program::{apart, manual, progress};
 use rayon::prelude::*;
-use simulate::{Campaign, Case, Layout, ObservatoryPlan, Replayed, RunSheet, Variation};
+use simulate::{Campaign, Case, Layout, Observatory, ObservatoryPlan, Replayed, RunSheet, Variation};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -85,6 +85,9 @@ struct ObservatoryArgs {
     /// Seed of all that is drawn, instead of the plan's
     #[arg(long)]
     seed: Option<u64>,
+    /// Write the true baseline values to this file: Unix times, s, and the values in nT and rad
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
     #[command(flatten)]
     at: AtPlace,
 }
@@ -199,7 +202,8 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
 }
 
 fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
-    let ObservatoryArgs { io, seed, at } = args;
+    let ObservatoryArgs { io, seed, truth, at } = args;
+    separate(io, truth.as_deref())?;
     let input = Input::read(io.file.as_deref())?;
     let located = |error: Error| input.locate(error);
     let mut plan = ObservatoryPlan::parse(&input.text).map_err(located)?;
@@ -207,11 +211,17 @@ fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
     if let Some((field_nt, _)) = at.field_nt(Start::parse(&plan.start), "start").map_err(located)? {
         plan.main_field_nt = field_nt;
     }
-    let mut document = simulate::observatory(&plan).map_err(located)?.document;
+    let Observatory { mut document, truth: what_is_true } = simulate::observatory(&plan).map_err(located)?;
     let arguments = ["observatory".into(), format!("--seed={}", plan.seed)];
     let arguments = arguments.into_iter().chain(at.arguments()).collect();
     document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
-    pipe::write(io.output.as_deref(), &document.to_text()?)?;
+    let text = document.to_text()?;
+    if let Some(path) = truth {
+        let (time_s, baseline): (Vec<f64>, Vec<[f64; 3]>) = what_is_true.into_iter().unzip();
+        let keys = serde_json::json!({"components": plan.components, "unix_s": time_s, "baseline": baseline});
+        pipe::write(Some(path), &common::to_text(&keys))?;
+    }
+    pipe::write(io.output.as_deref(), &text)?;
     let sets = counted(document.recordings.len() - 1, "measurement");
     say(io, &format!("{sets} in {}, seed {}", counted(plan.weeks, "week"), plan.seed));
     Ok(())
