@@ -27,7 +27,7 @@ mod words;
 pub use common::Error;
 pub use words::summary;
 
-use common::{AbsoluteCalibration, Code, Document, procedure};
+use common::{AbsoluteCalibration, Code, Document, Quantity, procedure};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -60,6 +60,17 @@ pub fn run(mut document: Document, _options: &Options) -> Result<Document, Error
     match components {
         Some(components) => {
             let (adopted, told) = adopted::adopted(&document, &measured, &result.sets, components)?;
+            // Errors of a whole measurement, such as its levelling, show in the scatter of all of them alone.
+            for set in &mut result.sets {
+                for (value, one) in set.baseline.values_mut().zip(adopted.components.values()) {
+                    let std = value.std().unwrap_or(0.0).hypot(one.scatter_std);
+                    let factor = value.coverage_factor_95();
+                    *value = Quantity::new(value.value(), std);
+                    if let Some(factor) = factor {
+                        *value = value.clone().covered_by(factor);
+                    }
+                }
+            }
             (result.adopted, result.findings) = (Some(adopted), told);
         }
         None => result.findings.push(Code::NotDetermined.said(

@@ -60,7 +60,8 @@ pub struct AbsoluteSet {
     /// Down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub z_nt: Option<Quantity>,
-    /// Observed baseline values, by component: `h_nt`, `d_deg` and `z_nt`, or `x_nt`, `y_nt` and `z_nt`.
+    /// Observed baseline values, by component: `h_nt`, `d_deg` and `z_nt`, or `x_nt`, `y_nt` and `z_nt`. The scatter of the
+    /// measurements about the adopted baseline (`scatter_std`) is in their uncertainty.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub baseline: IndexMap<String, Quantity>,
     /// Covariance of these by the readings alone, in their order and units: without what is common to all

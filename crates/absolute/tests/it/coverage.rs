@@ -71,7 +71,7 @@ fn shares(plans: impl Iterator<Item = ObservatoryPlan>) -> ([f64; 3], [f64; 3], 
     (observed.map(|one| one / counts[0] as f64), adopted.map(|one| one / counts[1] as f64), counts)
 }
 
-/// Of one case: observed intervals hold, where the errors are those of readings; gives the share of adopted ones that do, for each component.
+/// Of one case: observed intervals hold; gives the share of adopted ones that do, for each component.
 fn covered(name: &str, usual: u64, plan: &ObservatoryPlan) -> [f64; 3] {
     let years = testkit::campaigns(usual);
     let plans = (1..=years).map(|seed| ObservatoryPlan { seed, ..plan.clone() });
@@ -79,11 +79,9 @@ fn covered(name: &str, usual: u64, plan: &ObservatoryPlan) -> [f64; 3] {
     println!(
         "{name}, {years} years: observed {observed:.3?} of {sets}, adopted {adopted:.3?} of {days} days"
     );
-    // Levelling and time are errors of a whole measurement, which its readings do not show.
-    let of_readings = plan.theodolite == plain();
-    for share in observed.into_iter().filter(|_| of_readings) {
+    for share in observed {
         let inside = (share * sets as f64).round() as usize;
-        assert!(testkit::agrees(inside, sets, BAND, 15), "{name}: observed {share}");
+        assert!(testkit::agrees(inside, sets, BAND, 18), "{name}: observed {share}");
     }
     adopted
 }
