@@ -3,25 +3,18 @@
 use common::number::significant;
 use common::time::Start;
 use common::{
-    AbsoluteSet, AdoptedBaseline, AdoptedBaselines, BaselineFollows, BaselineStep, Code, Document, Findings,
-    Quantity, Recording, procedure,
+    AdoptedBaseline, AdoptedBaselines, BaselineFollows, BaselineStep, Code, Document, Findings, Quantity,
+    Recording, procedure,
 };
-use indexmap::IndexMap;
 use physics::Components;
 
 use crate::Error;
-use crate::evidence::{At, Course, Data, Mixture, Regressor};
-use crate::sets::{Measured, moment};
+use crate::causes::{Cause, Follows, explained, follows, regressor};
+use crate::evidence::{At, BEFORE_YEARS, Data, Mixture, Regressor, Trend};
+use crate::read::moment;
+use crate::sets::Measured;
 use crate::words::named;
 
-/// ln of the posterior odds from which a step, a column or a measurement that is off is taken.
-const TAKEN: f64 = 3.0;
-/// Standard deviation of a step or of a measurement that is off, nT.
-const STEP_NT: f64 = 10.0;
-/// The same of what a column makes, in its rms.
-const FOLLOWS_NT: f64 = 5.0;
-/// Most of them.
-const MOST: usize = 12;
 /// More measurements than this are averaged in groups.
 const MOST_MEASUREMENTS: usize = 300;
 /// A baseline is adopted for so long before the first measurement and after the last, s.
@@ -30,32 +23,33 @@ const FURTHEST_S: f64 = 30.0 * 86_400.0;
 const MOST_DAYS: usize = 4000;
 const YEAR_S: f64 = 365.25 * 86_400.0;
 const DAY_S: f64 = 86_400.0;
-
-/// What explains measurements beside the time.
-#[derive(Clone, Debug, PartialEq)]
-enum Cause {
-    /// Before this measurement.
-    Step(usize),
-    /// This measurement alone.
-    Off(usize),
-    /// This column.
-    Column(usize),
-}
-
-/// A column of the variometer at the measurements, over its rms.
-struct Follows {
-    name: String,
-    mean: f64,
-    rms: f64,
-    at: Vec<f64>,
-}
+const _: () = assert!(FURTHEST_S + DAY_S < BEFORE_YEARS * YEAR_S);
 
 /// Measurements that are used: several of them, averaged, where there are very many.
 struct Used {
     time_s: f64,
-    recording: String,
     /// Places in the document's list.
     sets: Vec<usize>,
+    /// Their recordings.
+    names: Vec<String>,
+}
+
+/// What the three components have in common.
+struct Common {
+    used: Vec<Used>,
+    follows: Vec<Follows>,
+    start_s: f64,
+}
+
+/// The measurements of one component, and what explains them.
+struct Fitted {
+    data: Data,
+    mean_nt: f64,
+    /// nT in its unit.
+    unit_nt: f64,
+    /// Each with ln of its Bayes factor.
+    causes: Vec<(Cause, f64)>,
+    mixture: Mixture,
 }
 
 /// The baselines of each component, with what looks wrong.
@@ -64,62 +58,69 @@ struct Used {
 pub fn adopted(
     document: &Document,
     measured: &Measured,
-    written: &[AbsoluteSet],
     components: Components,
 ) -> Result<(AdoptedBaselines, Findings), Error> {
-    let mut findings = Findings::default();
-    let outliers: Vec<bool> = (0..written.len()).map(|at| measured.outlier(at).is_some()).collect();
-    let good: Vec<usize> = (0..written.len()).filter(|at| !outliers[*at]).collect();
-    let good = if good.is_empty() { (0..written.len()).collect() } else { good };
+    let name = |at: &usize| measured.sets[*at].0.id.clone();
+    let (outliers, good): (Vec<usize>, Vec<usize>) =
+        (0..measured.sets.len()).partition(|at| measured.outlier(*at).is_some());
+    let (outliers, good) = if good.is_empty() { (good, outliers) } else { (outliers, good) };
     let used: Vec<Used> = (good.chunks(good.len().div_ceil(MOST_MEASUREMENTS)))
         .map(|sets| Used {
             time_s: sets.iter().map(|at| measured.time_s(*at)).sum::<f64>() / sets.len() as f64,
-            recording: written[sets[0]].recording.clone(),
             sets: sets.to_vec(),
+            names: sets.iter().map(name).collect(),
         })
         .collect();
     let [start_s, end_s] = span(document, [used[0].time_s, used[used.len() - 1].time_s]);
-    let follows = follows(document, &used);
+    let times: Vec<f64> = used.iter().map(|one| one.time_s).collect();
+    let all = Common { follows: follows(document, &times), used, start_s };
+    let fit = |stepped: &[usize]| {
+        (0..3).map(|k| Fitted::of(measured, &all, k, components, stepped)).collect::<Result<Vec<_>, _>>()
+    };
+    let mut fitted = fit(&[])?;
+    // What moves one component moves the others as a rule: where one steps, the place is known for the others.
+    let stepped: Vec<usize> = fitted.iter().flat_map(Fitted::stepped).collect();
+    if !stepped.is_empty() {
+        fitted = fit(&stepped)?;
+    }
+    let steps = fitted.iter().flat_map(Fitted::stepped).map(|before| step_s(&all.used, before) - all.start_s);
+    let mut steps: Vec<f64> = steps.collect();
+    steps.sort_by(f64::total_cmp);
+    steps.dedup();
     let days = ((end_s - start_s) / DAY_S).ceil().max(1.0) as usize;
     let every = days.div_ceil(MOST_DAYS);
-    let mut times: Vec<f64> = (0..=days.div_ceil(every)).map(|node| (node * every) as f64 * DAY_S).collect();
-    let mut found = Vec::new();
-    for k in 0..3 {
-        let component = Component::of(measured, &used, k, components)?;
-        let (causes, mixture) = component.causes(&follows)?;
-        for cause in &causes {
-            if let (Cause::Step(before), _) = cause {
-                times.extend([0.5 * (used[before - 1].time_s + used[*before].time_s) - start_s; 2]);
-            }
-        }
-        found.push((component, causes, mixture));
-    }
+    let days = (0..=days.div_ceil(every)).map(|node| (node * every) as f64 * DAY_S);
+    let mut times: Vec<f64> = days.filter(|day| !steps.contains(day)).collect();
+    steps.iter().for_each(|step| times.extend([*step; 2]));
     times.sort_by(f64::total_cmp);
-    times.dedup_by(|a, b| *a == *b && (*a / DAY_S).fract() == 0.0);
     let pillars = measured.sets.iter().map(|(set, _)| set.pillar[0]);
     let mut result = AdoptedBaselines {
         start: moment(start_s),
         pillar_difference_nt: pillars.sum::<f64>() / measured.sets.len() as f64,
         ..AdoptedBaselines::default()
     };
-    for (k, (component, causes, mixture)) in found.into_iter().enumerate() {
+    let mut findings = Findings::default();
+    for (k, fitted) in fitted.into_iter().enumerate() {
         let key = components.keys()[k];
-        let common = common_std(measured, &used, k) / components.units()[k];
-        let baseline = component.written(&used, &follows, &causes, &mixture, &times, start_s, common)?;
-        let (name, unit) = named(key);
-        for (cause, factor) in &causes {
+        let common = common_std(measured, &all.used, k) / components.units()[k];
+        let mut baseline = fitted.written(&all, &times, common);
+        let (letter, unit) = named(key);
+        for (cause, factor) in &fitted.causes {
             if let Cause::Off(at) = cause {
+                let names = &all.used[*at].names;
                 let words = format!(
-                    "{name} of \"{}\" is off the baseline by more than the other measurements scatter (ln of the Bayes factor {}); it is not used, measure it again",
-                    used[*at].recording,
+                    "{letter} of \"{}\" deviates from the baseline by more than the scatter of the other measurements (ln of the Bayes factor {}); it is not used, measure it again",
+                    names.join("\", \""),
                     significant(*factor, 2)
                 );
-                findings.push(Code::Outliers.about(&used[*at].recording).said(words));
+                findings.push(Code::Outliers.about(&names[0]).said(words));
+                baseline.not_used.extend(names.clone());
             }
         }
+        baseline.not_used.extend(outliers.iter().map(name));
         for step in &baseline.steps {
             let words =
-                format!("{name} steps by {}{unit} between {} and {}", step.size, step.after, step.before);
+                format!("{letter} steps by {}{unit} between {} and {}", step.size, step.after, step.before);
             findings.push(Code::BaselineSteps.about(key).said(words));
         }
         result.common_std.insert(key.to_string(), common);
@@ -147,50 +148,19 @@ fn common_std(measured: &Measured, used: &[Used], k: usize) -> f64 {
     used.iter().flat_map(|one| &one.sets).map(|at| of(*at)).fold(0.0, f64::max)
 }
 
-/// Temperatures and tilts beside the variometer, where they change.
-fn follows(document: &Document, used: &[Used]) -> Vec<Follows> {
-    let mut points: IndexMap<&str, Vec<(f64, f64)>> = IndexMap::new();
-    for recording in document.recordings.iter().filter(|one| one.procedure == procedure::VARIOMETER) {
-        let Some((start, times)) = recording.start().zip(recording.column("time_s")) else { continue };
-        for (name, column) in &recording.columns {
-            if name.ends_with("_c") || name.ends_with("_rad") {
-                let all = times.iter().zip(column.iter()).filter(|(_, value)| value.is_finite());
-                points
-                    .entry(name)
-                    .or_default()
-                    .extend(all.map(|(time, value)| (start.unix_s + time, *value)));
-            }
-        }
-    }
-    let of = |(name, mut all): (&str, Vec<(f64, f64)>)| {
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let near = |one: &Used| {
-            let next = all.partition_point(|(time, _)| *time < one.time_s).min(all.len() - 1);
-            all[next].1
-        };
-        let at: Vec<f64> = used.iter().map(near).collect();
-        let mean = at.iter().sum::<f64>() / at.len() as f64;
-        let rms = (at.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / at.len() as f64).sqrt();
-        (rms > 0.0 && used.len() > 3).then(|| Follows {
-            name: name.to_string(),
-            mean,
-            rms,
-            at: at.iter().map(|value| (value - mean) / rms).collect(),
-        })
-    };
-    points.into_iter().filter(|(_, all)| !all.is_empty()).filter_map(of).collect()
+/// When a step before a measurement is taken to be, Unix, s.
+fn step_s(used: &[Used], before: usize) -> f64 {
+    0.5 * (used[before - 1].time_s + used[before].time_s)
 }
 
-/// The measurements of one component.
-struct Component {
-    data: Data,
-    mean_nt: f64,
-    /// nT in its unit.
-    unit_nt: f64,
-}
-
-impl Component {
-    fn of(measured: &Measured, used: &[Used], k: usize, components: Components) -> Result<Self, Error> {
+impl Fitted {
+    fn of(
+        measured: &Measured,
+        all: &Common,
+        k: usize,
+        components: Components,
+        stepped: &[usize],
+    ) -> Result<Self, Error> {
         // A declination is weighed as the field across it.
         let horizontal = measured.horizontal_nt();
         let rad_nt = if components.units()[k] == 1.0 { 1.0 } else { horizontal };
@@ -201,89 +171,41 @@ impl Component {
             let weights: f64 = each.clone().map(|(_, variance)| 1.0 / variance).sum();
             (each.map(|(value, variance)| value / variance).sum::<f64>() / weights, 1.0 / weights)
         };
-        let values: Vec<(f64, f64)> = used.iter().map(one).collect();
+        let values: Vec<(f64, f64)> = all.used.iter().map(one).collect();
         let mean_nt = values.iter().map(|(value, _)| value).sum::<f64>() / values.len() as f64;
-        Ok(Self {
-            data: Data {
-                years: used.iter().map(|one| (one.time_s - used[0].time_s) / YEAR_S).collect(),
-                value_nt: values.iter().map(|(value, _)| value - mean_nt).collect(),
-                variance: values.iter().map(|(_, variance)| *variance).collect(),
-            },
-            mean_nt,
-            unit_nt: rad_nt * components.units()[k],
+        let first_s = all.used[0].time_s;
+        let data = Data {
+            years: all.used.iter().map(|one| (one.time_s - first_s) / YEAR_S).collect(),
+            value_nt: values.iter().map(|(value, _)| value - mean_nt).collect(),
+            variance: values.iter().map(|(_, variance)| *variance).collect(),
+        };
+        let (causes, mixture) = explained(&data, &all.follows, stepped)?;
+        Ok(Self { data, mean_nt, unit_nt: rad_nt * components.units()[k], causes, mixture })
+    }
+
+    /// The measurements before which it steps.
+    fn stepped(&self) -> impl Iterator<Item = usize> {
+        self.causes.iter().filter_map(|(cause, _)| match cause {
+            Cause::Step(before) => Some(*before),
+            _ => None,
         })
     }
 
-    fn regressor(&self, cause: &Cause, follows: &[Follows]) -> Regressor {
-        let count = self.data.years.len();
-        let from = |is: &dyn Fn(usize) -> bool| (0..count).map(|i| f64::from(u8::from(is(i)))).collect();
-        match cause {
-            Cause::Step(before) => Regressor { at: from(&|i| i >= *before), prior_nt: STEP_NT },
-            Cause::Off(at) => Regressor { at: from(&|i| i == *at), prior_nt: STEP_NT },
-            Cause::Column(column) => Regressor { at: follows[*column].at.clone(), prior_nt: FOLLOWS_NT },
-        }
-    }
-
-    fn regressors(&self, causes: &[(Cause, f64)], follows: &[Follows]) -> Vec<Regressor> {
-        causes.iter().map(|(cause, _)| self.regressor(cause, follows)).collect()
-    }
-
-    /// Takes causes one by one, each time that of most evidence, while the readings are for it. Steps, single
-    /// measurements and columns have the same prior odds as kinds, shared out among their members.
-    fn causes(&self, follows: &[Follows]) -> Result<(Vec<(Cause, f64)>, Mixture), Error> {
-        let count = self.data.years.len();
-        // On either side of a step are two measurements.
-        let steps = (2..count.saturating_sub(1)).map(Cause::Step);
-        let all: Vec<Cause> = steps
-            .chain((0..if count > 3 { count } else { 0 }).map(Cause::Off))
-            .chain((0..follows.len()).map(Cause::Column))
-            .collect();
-        let mut taken: Vec<(Cause, f64)> = Vec::new();
-        loop {
-            let mixture = Mixture::of(&self.data, &self.regressors(&taken, follows))?;
-            let others = all.iter().filter(|cause| !taken.iter().any(|(other, _)| other == *cause));
-            let others: Vec<Cause> = others.cloned().collect();
-            let more: Vec<Regressor> = others.iter().map(|cause| self.regressor(cause, follows)).collect();
-            let factors = mixture.log_bayes_factors(&more);
-            let best = (others.into_iter().zip(factors))
-                .map(|(cause, factor)| {
-                    let members = if matches!(cause, Cause::Column(_)) { follows.len() } else { count };
-                    (cause, factor, factor - (members as f64).ln())
-                })
-                .max_by(|a, b| a.2.total_cmp(&b.2));
-            match best {
-                Some((cause, factor, odds)) if odds > TAKEN && taken.len() < MOST => {
-                    taken.push((cause, factor))
-                }
-                _ => return Ok((taken, mixture)),
-            }
-        }
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn written(
-        &self,
-        used: &[Used],
-        follows: &[Follows],
-        causes: &[(Cause, f64)],
-        mixture: &Mixture,
-        times: &[f64],
-        start_s: f64,
-        common: f64,
-    ) -> Result<AdoptedBaseline, Error> {
-        let regressors = self.regressors(causes, follows);
-        let step_s = |before: usize| 0.5 * (used[before - 1].time_s + used[before].time_s);
+    fn written(&self, all: &Common, times: &[f64], common: f64) -> AdoptedBaseline {
+        let Self { causes, mixture, .. } = self;
+        let regressors: Vec<Regressor> =
+            causes.iter().map(|(cause, _)| regressor(cause, all.used.len(), &all.follows)).collect();
         let mut result = AdoptedBaseline::default();
         let at = |(node, time): (usize, &f64)| {
-            let time_s = start_s + time;
             // Of two nodes at a step the second is behind it.
             let second = node > 0 && times[node - 1] == *time;
-            let behind = |step_s: f64| time_s > step_s || (second && time_s == step_s);
+            let behind = |step: f64| *time > step || (second && *time == step);
             let regressors = causes.iter().map(|(cause, _)| match cause {
-                Cause::Step(before) if behind(step_s(*before)) => 1.0,
+                Cause::Step(before) if behind(step_s(&all.used, *before) - all.start_s) => 1.0,
                 _ => 0.0,
             });
-            At { years: (time_s - used[0].time_s) / YEAR_S, regressors: regressors.collect() }
+            let years = (all.start_s + time - all.used[0].time_s) / YEAR_S;
+            At { years, regressors: regressors.collect() }
         };
         let nodes: Vec<At> = times.iter().enumerate().map(at).collect();
         for [value, std] in mixture.at(&self.data, &regressors, &nodes) {
@@ -294,14 +216,16 @@ impl Component {
             let [value, std] = mixture.coefficient(regressor).map(|nt| nt / self.unit_nt);
             match cause {
                 Cause::Step(before) => result.steps.push(BaselineStep {
-                    after: used[before - 1].recording.clone(),
-                    before: used[*before].recording.clone(),
-                    time: Start { unix_s: step_s(*before), offset_s: 0.0 }.text().unwrap_or_default(),
+                    after: all.used[before - 1].names.last().cloned().unwrap_or_default(),
+                    before: all.used[*before].names[0].clone(),
+                    time: Start { unix_s: step_s(&all.used, *before), offset_s: 0.0 }
+                        .text()
+                        .unwrap_or_default(),
                     size: Quantity::new(value, std),
                     log_bayes_factor: *factor,
                 }),
                 Cause::Column(column) => {
-                    let Follows { name, mean, rms, .. } = &follows[*column];
+                    let Follows { name, mean, rms, .. } = &all.follows[*column];
                     result.follows.push(BaselineFollows {
                         column: name.clone(),
                         coefficient: Quantity::new(value / rms, std / rms),
@@ -312,12 +236,16 @@ impl Component {
                 Cause::Off(_) => {}
             }
         }
-        let probabilities: Vec<(Course, f64)> = mixture.probabilities().collect();
-        let best = probabilities.iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(course, _)| *course);
-        result.course = best.map(Course::name).unwrap_or_default();
-        result.probabilities = probabilities.iter().map(|(course, share)| (course.name(), *share)).collect();
+        let probabilities = mixture.probabilities();
+        let best = probabilities
+            .iter()
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(Trend::Spline, |(trend, _)| *trend);
+        result.trend = best.name().to_string();
+        result.probabilities =
+            probabilities.iter().map(|(trend, share)| (trend.name().into(), *share)).collect();
         result.scatter_std = mixture.scatter_nt() / self.unit_nt;
-        result.left_out_rms = best.and_then(|best| mixture.left_out_rms(best)).unwrap_or(0.0) / self.unit_nt;
-        Ok(result)
+        result.left_out_rms = mixture.left_out_rms(best).unwrap_or(0.0) / self.unit_nt;
+        result
     }
 }

@@ -1,6 +1,7 @@
 //! Readings that fit no position: what would make them fit.
 
 use common::number::significant;
+use physics::frames::ARCSEC;
 
 use crate::Error;
 use crate::fit::{Found, Known, declination, fit, north};
@@ -8,8 +9,8 @@ use crate::read::{Circle, Row, Set};
 
 /// χ² over its degrees of freedom from which an explanation is looked for.
 const SUSPECT: f64 = 4.0;
-/// The same beyond which readings are no measurement. Circles are then some minutes of arc off.
-const IMPOSSIBLE: f64 = 1e4;
+/// Circles that are off by more than this, rms, are no measurement, rad.
+const IMPOSSIBLE: f64 = 300.0 * ARCSEC;
 /// An explanation leaves less than this share of χ².
 const EXPLAINS: f64 = 0.1;
 
@@ -23,7 +24,7 @@ const MISTAKES: [Mistake; 3] = [
     ),
     (
         faces,
-        "they fit with the magnetometer above for below where the telescope is level; exchange 90 and 270 of vertical_deg there",
+        "they fit if \"above\" and \"below\" are exchanged where the telescope is level; exchange 90 and 270 of vertical_deg there",
     ),
     (
         opposite,
@@ -38,8 +39,9 @@ fn signs(circle: &mut Circle) {
 }
 
 fn faces(circle: &mut Circle) {
-    if let Circle::Field { horizontal: Ok(_), zenith, .. } = circle
-        && zenith.cos().abs() < 0.035
+    let is_level = circle.is_level();
+    if let Circle::Field { zenith, .. } = circle
+        && is_level
     {
         *zenith = -*zenith;
     }
@@ -90,10 +92,11 @@ pub fn position(set: &Set, found: &Found, known: Known) -> Result<(), Error> {
     {
         return refused(format!("that fit no field; {words}"));
     }
-    if off <= IMPOSSIBLE {
+    let rms = off.sqrt() * known.circle;
+    if rms <= IMPOSSIBLE {
         return Ok(());
     }
-    let arcmin = significant(off.sqrt() * known.circle.to_degrees() * 60.0, 2);
+    let arcmin = significant(rms.to_degrees() * 60.0, 2);
     let left_out = set.rows.iter().enumerate().filter_map(|(at, row)| {
         let mut rows = set.rows.clone();
         rows.remove(at);

@@ -1,9 +1,9 @@
-//! Courses of a baseline weighed by their evidence: a Gaussian process whose size is averaged over.
+//! Trends of a baseline weighed by their evidence: Gaussian processes, their amplitudes averaged over.
 //!
-//! y = c + Σ aₖ Pₖ(u) + f(t) + Σ γⱼ xⱼ + e, with Legendre polynomials of the time, f a random walk or an integrated one
-//! (whose mean is the cubic smoothing spline: G. Wahba, J. R. Stat. Soc. B 40 (1978) 364), regressors x (steps, columns,
-//! measurements that are off), and the scatter e. All coefficients have normal priors, so that the evidence of every course
-//! is comparable; sizes of f and e lie on grids.
+//! y = c + Σ aₖ Pₖ(u) + f(t) + w(t) + Σ γⱼ xⱼ + e, with Legendre polynomials of the time or f, an integrated random walk
+//! (whose mean is the cubic smoothing spline: G. Wahba, J. R. Stat. Soc. B 40 (1978) 364), the random walk w, regressors x
+//! (steps, columns, measurements that are off), and the scatter e. All coefficients have normal priors, so that the
+//! evidence of every trend is comparable; the amplitudes of f, w and e lie on grids.
 
 use estimate::positive::cholesky;
 use faer::linalg::solvers::{Llt, Solve};
@@ -13,54 +13,45 @@ use crate::Error;
 
 /// Standard deviation of the constant about the mean of the measurements, nT.
 const CONSTANT_NT: f64 = 100.0;
-/// Of the coefficient of a polynomial: an observatory's variometer is to drift by less than 5 nT a year (INTERMAGNET
-/// Technical Reference Manual, section 2.2).
-const DRIFT_NT: f64 = 5.0;
+/// Of a drift, nT a year: an observatory's variometer is to drift by less (INTERMAGNET Technical Reference Manual,
+/// section 2.2).
+const DRIFT_NT_PER_YEAR: f64 = 5.0;
 /// Scatter beyond that of the readings, nT.
 const SCATTER_NT: [f64; 7] = [0.0, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6];
-/// Size of a random walk after a year, nT.
+/// Amplitude of a random walk after a year, nT.
 const WALK_NT: [f64; 5] = [0.2, 0.6, 1.8, 5.4, 16.2];
-/// Size of an integrated one after a year, nT.
+/// Amplitude of an integrated one after a year, nT.
 const SPLINE_NT: [f64; 5] = [0.5, 2.0, 8.0, 32.0, 128.0];
 /// Polynomials of a shorter series are those of this time, years: they are not to run away outside it.
 const SHORTEST_YEARS: f64 = 1.0;
+/// How long before the first measurement the processes begin, years; a baseline may be asked for after that.
+pub const BEFORE_YEARS: f64 = 0.1;
 /// Points of the grid with a smaller share of the evidence are left out.
 const LEAST: f64 = 1e-4;
 
-/// How a baseline may go. Pillars wander a little in any case: every trend comes with a random walk and without.
+/// How a baseline goes, beside a random walk: pillars wander a little in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Course {
-    /// Degree of the polynomial, or the spline.
-    trend: Trend,
-    walks: bool,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Trend {
+pub enum Trend {
+    /// Of this degree.
     Polynomial(usize),
     Spline,
 }
 
-impl Course {
-    pub fn all() -> impl Iterator<Item = Self> {
-        let trends = (0..4).map(Trend::Polynomial).chain([Trend::Spline]);
-        trends.flat_map(|trend| [false, true].map(|walks| Self { trend, walks }))
+impl Trend {
+    pub const ALL: [Self; 5] =
+        [Self::Polynomial(0), Self::Polynomial(1), Self::Polynomial(2), Self::Polynomial(3), Self::Spline];
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Polynomial(degree) => ["constant", "line", "parabola", "cubic"][degree],
+            Self::Spline => "spline",
+        }
     }
 
-    pub fn name(self) -> String {
-        let trend = match self.trend {
-            Trend::Polynomial(0) if self.walks => return "random walk".into(),
-            Trend::Polynomial(degree) => ["constant", "line", "parabola", "cubic"][degree],
-            Trend::Spline => "spline",
-        };
-        trend.to_string() + if self.walks { " and random walk" } else { "" }
-    }
-
-    /// The sizes that its processes may have, of the walk and of the spline, nT after a year.
-    fn sizes(self) -> Vec<[f64; 2]> {
-        let walks: &[f64] = if self.walks { &WALK_NT } else { &[0.0] };
-        let splines: &[f64] = if self.trend == Trend::Spline { &SPLINE_NT } else { &[0.0] };
-        walks.iter().flat_map(|walk| splines.iter().map(|spline| [*walk, *spline])).collect()
+    /// The amplitudes of its processes, the walk and the spline, nT after a year.
+    fn amplitudes(self) -> Vec<[f64; 2]> {
+        let splines: &[f64] = if self == Self::Spline { &SPLINE_NT } else { &[0.0] };
+        WALK_NT.iter().flat_map(|walk| splines.iter().map(|spline| [*walk, *spline])).collect()
     }
 }
 
@@ -82,10 +73,10 @@ pub struct Data {
     pub variance: Vec<f64>,
 }
 
-/// One course with one size of process and scatter.
+/// One trend with amplitudes of the processes and of the scatter.
 struct Point {
-    course: Course,
-    size_nt: [f64; 2],
+    trend: Trend,
+    amplitudes_nt: [f64; 2],
     scatter_nt: f64,
     log_evidence: f64,
     factor: Llt<f64>,
@@ -93,7 +84,7 @@ struct Point {
     weights: Col<f64>,
 }
 
-/// All courses that matter, each with its share of the evidence.
+/// All points that matter, each with its share of the evidence.
 pub struct Mixture {
     points: Vec<(Point, f64)>,
     span_years: f64,
@@ -107,21 +98,21 @@ pub struct At {
 }
 
 impl Mixture {
-    /// Weighs the courses.
+    /// Weighs the trends.
     ///
-    /// Errors: a covariance that is none.
+    /// Errors: a covariance that is not positive definite.
     pub fn of(data: &Data, regressors: &[Regressor]) -> Result<Self, Error> {
         let span_years = data.years.iter().copied().fold(SHORTEST_YEARS, f64::max);
         let mut points = Vec::new();
-        for course in Course::all() {
-            let sizes = course.sizes();
-            let cells = (sizes.len() * SCATTER_NT.len()) as f64;
-            for size_nt in sizes {
+        for trend in Trend::ALL {
+            let amplitudes = trend.amplitudes();
+            let cells = (amplitudes.len() * SCATTER_NT.len()) as f64;
+            for amplitudes_nt in amplitudes {
                 let own = Mat::from_fn(data.years.len(), data.years.len(), |i, j| {
                     let shared: f64 = (regressors.iter())
                         .map(|one| one.prior_nt * one.prior_nt * one.at[i] * one.at[j])
                         .sum();
-                    shared + covariance(course, size_nt, span_years, [data.years[i], data.years[j]])
+                    shared + covariance(trend, amplitudes_nt, span_years, [data.years[i], data.years[j]])
                 });
                 for scatter_nt in SCATTER_NT {
                     let mut all = own.clone();
@@ -133,7 +124,7 @@ impl Mixture {
                     let weights = factor.solve(&y);
                     let log_determinant: f64 = (0..y.nrows()).map(|i| factor.L()[(i, i)].ln()).sum();
                     let log_evidence = -0.5 * (y.transpose() * &weights) - log_determinant - cells.ln();
-                    points.push(Point { course, size_nt, scatter_nt, log_evidence, factor, weights });
+                    points.push(Point { trend, amplitudes_nt, scatter_nt, log_evidence, factor, weights });
                 }
             }
         }
@@ -164,11 +155,11 @@ impl Mixture {
         factors.into_iter().map(f64::ln).collect()
     }
 
-    /// Share of the evidence of each course.
-    pub fn probabilities(&self) -> impl Iterator<Item = (Course, f64)> {
-        Course::all().map(|course| {
-            let own = self.points.iter().filter(|(point, _)| point.course == course);
-            (course, own.map(|(_, share)| share).fold(0.0, |sum, share| sum + share))
+    /// Share of the evidence of each trend.
+    pub fn probabilities(&self) -> [(Trend, f64); 5] {
+        Trend::ALL.map(|trend| {
+            let own = self.points.iter().filter(|(point, _)| point.trend == trend);
+            (trend, own.map(|(_, share)| share).fold(0.0, |sum, share| sum + share))
         })
     }
 
@@ -177,24 +168,40 @@ impl Mixture {
         self.points.iter().map(|(point, share)| share * point.scatter_nt).sum()
     }
 
-    /// The course at some times with its standard uncertainty, nT, the scatter of measurements left out.
+    /// The baseline at some times with its standard uncertainty, nT, the scatter of measurements left out.
     pub fn at(&self, data: &Data, regressors: &[Regressor], times: &[At]) -> Vec<[f64; 2]> {
         let priors: Vec<f64> = regressors.iter().map(|one| one.prior_nt * one.prior_nt).collect();
-        let shared = |i: usize, there: &At| -> f64 {
-            let each = regressors.iter().zip(&there.regressors).zip(&priors);
-            each.map(|((one, there), prior)| prior * one.at[i] * there).sum()
-        };
-        let mut sums = vec![[0.0; 2]; times.len()];
-        for (point, share) in &self.points {
-            let of = |a: f64, b: f64| covariance(point.course, point.size_nt, self.span_years, [a, b]);
-            let k = Mat::from_fn(data.years.len(), times.len(), |i, j| {
-                of(data.years[i], times[j].years) + shared(i, &times[j])
+        self.averaged(times.len(), |point| {
+            let of = |a: f64, b: f64| covariance(point.trend, point.amplitudes_nt, self.span_years, [a, b]);
+            let with = Mat::from_fn(data.years.len(), times.len(), |i, j| {
+                let each = regressors.iter().zip(&times[j].regressors).zip(&priors);
+                of(data.years[i], times[j].years)
+                    + each.map(|((one, there), prior)| prior * one.at[i] * there).sum::<f64>()
             });
-            let (means, solved) = (point.weights.transpose() * &k, point.factor.solve(&k));
-            for (j, (at, [sum, squares])) in times.iter().zip(&mut sums).enumerate() {
-                let own: f64 =
-                    at.regressors.iter().zip(&priors).map(|(there, prior)| prior * there * there).sum();
-                let variance = of(at.years, at.years) + own - k.col(j).transpose() * solved.col(j);
+            let own = |at: &At| {
+                let each = at.regressors.iter().zip(&priors);
+                of(at.years, at.years) + each.map(|(there, prior)| prior * there * there).sum::<f64>()
+            };
+            (with, times.iter().map(own).collect())
+        })
+    }
+
+    /// The coefficient of a regressor with its standard uncertainty.
+    pub fn coefficient(&self, of: &Regressor) -> [f64; 2] {
+        let prior = of.prior_nt * of.prior_nt;
+        let with = Mat::from_fn(of.at.len(), 1, |i, _| prior * of.at[i]);
+        self.averaged(1, |_| (with.clone(), vec![prior]))[0]
+    }
+
+    /// Mean and standard deviation of quantities over all points, of each quantity its covariance with the measurements
+    /// and its variance a priori.
+    fn averaged(&self, count: usize, of: impl Fn(&Point) -> (Mat<f64>, Vec<f64>)) -> Vec<[f64; 2]> {
+        let mut sums = vec![[0.0; 2]; count];
+        for (point, share) in &self.points {
+            let (with, own) = of(point);
+            let (means, solved) = (point.weights.transpose() * &with, point.factor.solve(&with));
+            for (j, [sum, squares]) in sums.iter_mut().enumerate() {
+                let variance = own[j] - with.col(j).transpose() * solved.col(j);
                 *sum += share * means[j];
                 *squares += share * (variance.max(0.0) + means[j] * means[j]);
             }
@@ -202,28 +209,9 @@ impl Mixture {
         sums.into_iter().map(|[mean, squares]| [mean, (squares - mean * mean).max(0.0).sqrt()]).collect()
     }
 
-    /// The coefficient of a regressor with its standard uncertainty.
-    pub fn coefficient(&self, of: &Regressor) -> [f64; 2] {
-        let square = of.prior_nt * of.prior_nt;
-        let x = Col::from_fn(of.at.len(), |i| of.at[i] * square);
-        self.averaged(|point| {
-            [x.transpose() * &point.weights, square - x.transpose() * point.factor.solve(&x)]
-        })
-    }
-
-    /// Mean and standard deviation of the mixture of normal distributions.
-    fn averaged(&self, of: impl Fn(&Point) -> [f64; 2]) -> [f64; 2] {
-        let each: Vec<([f64; 2], f64)> =
-            self.points.iter().map(|(point, share)| (of(point), *share)).collect();
-        let mean: f64 = each.iter().map(|([mean, _], share)| share * mean).sum();
-        let square = |[own, variance]: [f64; 2]| variance.max(0.0) + (own - mean).powi(2);
-        let variance: f64 = each.iter().map(|(one, share)| share * square(*one)).sum();
-        [mean, variance.sqrt()]
-    }
-
-    /// Rms of each measurement less what the others give, of the best point of a course; None where it has no share.
-    pub fn left_out_rms(&self, course: Course) -> Option<f64> {
-        let own = self.points.iter().filter(|(point, _)| point.course == course);
+    /// Rms of the leave-one-out residuals, of the best point of a trend; None where it has no share.
+    pub fn left_out_rms(&self, trend: Trend) -> Option<f64> {
+        let own = self.points.iter().filter(|(point, _)| point.trend == trend);
         let (point, _) = own.max_by(|a, b| a.1.total_cmp(&b.1))?;
         let count = point.weights.nrows();
         let inverse = point.factor.solve(Mat::<f64>::identity(count, count));
@@ -232,16 +220,18 @@ impl Mixture {
     }
 }
 
-/// Covariance of the course at two times, nT².
-fn covariance(course: Course, [walk_nt, spline_nt]: [f64; 2], span_years: f64, years: [f64; 2]) -> f64 {
+/// Covariance of the baseline at two times, nT².
+fn covariance(trend: Trend, [walk_nt, spline_nt]: [f64; 2], span_years: f64, years: [f64; 2]) -> f64 {
     let [a, b] = years.map(|year| 2.0 * year / span_years - 1.0);
-    let degree = match course.trend {
+    let degree = match trend {
         Trend::Polynomial(degree) => degree,
         Trend::Spline => 1,
     };
     let legendre = |u: f64| [1.0, u, 1.5 * u * u - 0.5, 2.5 * u * u * u - 1.5 * u];
     let (pa, pb) = (legendre(a), legendre(b));
-    let polynomial: f64 = (1..=degree).map(|k| DRIFT_NT * DRIFT_NT * pa[k] * pb[k]).sum();
+    // Half the span is the unit of u.
+    let drift_nt = 0.5 * span_years * DRIFT_NT_PER_YEAR;
+    let polynomial: f64 = (1..=degree).map(|k| drift_nt * drift_nt * pa[k] * pb[k]).sum();
     // Both begin before the first measurement.
     let [near, far] = [years[0].min(years[1]), years[0].max(years[1])].map(|year| year + BEFORE_YEARS);
     // ∫₀ⁿ (n − s)(f − s) ds, 1/3 after a year.
@@ -249,6 +239,3 @@ fn covariance(course: Course, [walk_nt, spline_nt]: [f64; 2], span_years: f64, y
     let process = walk_nt * walk_nt * near + 3.0 * spline_nt * spline_nt * integrated;
     CONSTANT_NT * CONSTANT_NT + polynomial + process
 }
-
-/// How long before the first measurement a process begins, years.
-const BEFORE_YEARS: f64 = 0.1;

@@ -14,7 +14,7 @@ use physics::theodolite::{Mounting, sighting};
 use std::f64::consts::PI;
 
 use crate::Error;
-use crate::read::{Circle, Row, Set};
+use crate::read::{Azimuth, Circle, Row, Set};
 use crate::start::{UNKNOWNS, mean, missing, start, wrapped};
 use crate::variometer::LONGEST_STEP_S;
 
@@ -129,8 +129,8 @@ impl Readings<'_> {
     /// Of the residual of a reading: what a circle misread by its standard uncertainty makes of it.
     fn std(&self, row: &Row) -> f64 {
         match row.circle {
-            Circle::Field { .. } => {
-                let (_, by_azimuth, by_zenith) = self.seen(row, &self.start);
+            Circle::Field { azimuth, zenith, .. } => {
+                let [by_azimuth, by_zenith] = self.by_circles(azimuth, zenith, row);
                 self.known.circle * by_azimuth.hypot(by_zenith)
             }
             _ => self.known.circle,
@@ -140,27 +140,29 @@ impl Readings<'_> {
     /// By how much the circle that the position is about reads too much, rad, for a weighted residual of 1: the
     /// horizontal one where the telescope is level.
     fn circle(&self, row: &Row) -> f64 {
-        let (_, by_azimuth, by_zenith) = self.seen(row, &self.start);
         match row.circle {
-            Circle::Field { .. } => -self.std(row) / if row.is_level() { by_azimuth } else { by_zenith },
+            Circle::Field { azimuth, zenith, .. } => {
+                let [by_azimuth, by_zenith] = self.by_circles(azimuth, zenith, row);
+                -self.std(row) / if row.circle.is_level() { by_azimuth } else { by_zenith }
+            }
             _ => self.known.circle,
         }
     }
 
-    fn seen(&self, row: &Row, state: &[f64; UNKNOWNS]) -> (Vector3<f64>, f64, f64) {
-        let Circle::Field { horizontal, zenith, .. } = row.circle else {
-            return (Vector3::zeros(), 0.0, 1.0);
-        };
-        let (field, _) = field(self.components, state, &row.variometer_nt);
-        let azimuth = azimuth(horizontal, state, &field);
-        let seen = sighting(&field, azimuth, zenith, &mounting(state));
+    /// Derivatives of a reading by the two circles.
+    fn by_circles(&self, azimuth: Azimuth, zenith: f64, row: &Row) -> [f64; 2] {
+        let (field, _) = field(self.components, &self.start, &row.variometer_nt);
+        let seen = sighting(&field, azimuth.of(&self.start, &field), zenith, &mounting(&self.start));
         // A direction that was not read has no error of the circle.
-        (field, if horizontal.is_ok() { seen.by_azimuth } else { 0.0 }, seen.by_zenith)
+        [if matches!(azimuth, Azimuth::Circle(_)) { seen.by_azimuth } else { 0.0 }, seen.by_zenith]
     }
 }
 
-fn azimuth(horizontal: Result<f64, f64>, state: &[f64; UNKNOWNS], field: &Vector3<f64>) -> f64 {
-    horizontal.map_or_else(|from| from + declination(field), |circle| circle - state[NORTH])
+impl Azimuth {
+    /// From north.
+    fn of(self, state: &[f64; UNKNOWNS], field: &Vector3<f64>) -> f64 {
+        self.geographic(state[NORTH], declination(field))
+    }
 }
 
 impl Problem for Readings<'_> {
@@ -183,16 +185,19 @@ impl Problem for Readings<'_> {
             let std = self.std(row);
             let mut put = |j: usize, slope: f64| jacobian[(i, j)] = slope / std;
             match row.circle {
-                Circle::Field { horizontal, zenith, reading_nt } => {
+                Circle::Field { azimuth, zenith, reading_nt } => {
                     let (field, by) = field(self.components, state, &row.variometer_nt);
-                    let seen = sighting(&field, azimuth(horizontal, state, &field), zenith, &mounting(state));
+                    let seen = sighting(&field, azimuth.of(state, &field), zenith, &mounting(state));
                     residual[i] = (reading_nt - seen.reading_nt) / std;
                     // In the meridian of the field the view turns with it.
-                    let turned = if horizontal.is_err() { seen.by_azimuth } else { 0.0 };
+                    let [read, turned] = match azimuth {
+                        Azimuth::Circle(_) => [seen.by_azimuth, 0.0],
+                        Azimuth::FromMeridian(_) => [0.0, seen.by_azimuth],
+                    };
                     let square = field.x.powi(2) + field.y.powi(2);
                     let by_field = seen.by_field + Vector3::new(-field.y, field.x, 0.0) * (turned / square);
                     (0..3).for_each(|k| put(k, by_field.dot(&by.column(k))));
-                    put(NORTH, if horizontal.is_ok() { -seen.by_azimuth } else { 0.0 });
+                    put(NORTH, -read);
                     put(OFFSET, 1.0);
                     put(HORIZONTAL, seen.by_mounting[0]);
                     put(VERTICAL, seen.by_mounting[1]);
@@ -235,6 +240,12 @@ impl Found {
             [self.fit.residual[i] * rad, one.leave_one_out * rad, one.t]
         };
         influence.into_iter().enumerate().map(one).collect()
+    }
+
+    /// χ² of the circles without one of them.
+    pub fn without(&self, at: usize) -> f64 {
+        let one = influence::influence(&self.fit, self.rows.len(), true, 0)[at];
+        self.circles().0 - self.fit.residual[at] * one.leave_one_out
     }
 
     /// χ² of the circles alone, and its degrees of freedom.

@@ -40,17 +40,11 @@ pub fn put(document: &mut Document, measured: &Measured, written: &[AbsoluteSet]
                     .map(|(path, (size, unit))| (path.clone(), size / unit)),
             );
         }
-        // What all measurements scatter by is of each alone, like its readings.
-        let alone = |k: usize| {
-            let total = set.baseline.values().nth(k).and_then(common::Quantity::std).unwrap_or(0.0);
-            let common = measured.common(at).iter().map(|moved| (moved[k] / units[k]).powi(2)).sum::<f64>();
-            (total * total - common).max(own[k][k])
-        };
         let block = Block {
             name: format!("measurement {}", set.recording),
             degrees_of_freedom: measured.freedom,
             parameters,
-            covariance: Mat::from_fn(3, 3, |i, j| if i == j { alone(i) } else { own[i][j] }),
+            covariance: Mat::from_fn(3, 3, |i, j| own[i][j]),
             by: Vec::new(),
         };
         joint.put(block).map_err(|found| {

@@ -10,10 +10,11 @@
 //! - `read` takes the circles and what the `variometer` read beside them, `fit` makes a measurement of them by least
 //!   squares, `sets` all of them with one uncertainty of the circle, and finds outliers. `checks` says what is wrong with
 //!   a sheet that fits nothing.
-//! - `adopted` is the baseline between the measurements: courses of more and less freedom, steps, and columns that it
-//!   follows, weighed by their evidence (`evidence`).
+//! - `adopted` is the baseline between the measurements: trends of more and less freedom, steps, and columns that it
+//!   follows, weighed by their evidence (`evidence`). `joint` puts the measurements into the joint uncertainty.
 
 mod adopted;
+mod causes;
 mod checks;
 mod evidence;
 mod fit;
@@ -27,11 +28,8 @@ mod words;
 pub use common::Error;
 pub use words::summary;
 
-use common::{AbsoluteCalibration, Code, Document, Quantity, procedure};
-
-/// What is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Options {}
+use common::{AbsoluteCalibration, Code, Document, Findings, procedure};
+use physics::frames::ARCSEC;
 
 /// The procedures that are read here.
 pub const PROCEDURES: [&str; 2] = [procedure::ABSOLUTE, procedure::VARIOMETER];
@@ -41,42 +39,38 @@ pub const PROCEDURES: [&str; 2] = [procedure::ABSOLUTE, procedure::VARIOMETER];
 /// # Errors
 ///
 /// No recording that can be used; a measurement that is incomplete, or that fits no field.
-pub fn run(mut document: Document, _options: &Options) -> Result<Document, Error> {
+pub fn run(mut document: Document) -> Result<Document, Error> {
     let variometer = variometer::variometer(&document)?;
     let sets = read::sets(&document, variometer.as_ref())?;
     if sets.is_empty() {
         return Err(Error::Request("no recording with the procedure `absolute`; it needs the circles of a theodolite (horizontal_deg, vertical_deg) with residual_nt, the reading of its magnetometer".into()));
     }
     let measured = sets::measured(&document, sets)?;
-    let components = measured.sets.iter().find_map(|(set, _)| set.components);
-    let mut result = AbsoluteCalibration {
+    let components = measured.sets[0].0.components;
+    let mut findings = Findings::default();
+    let adopted = match components {
+        Some(components) => {
+            let (adopted, told) = adopted::adopted(&document, &measured, components)?;
+            findings = told;
+            Some(adopted)
+        }
+        None => {
+            findings.push(Code::NotDetermined.said(
+                "no variometer: the field is taken as constant during each measurement, and there is no baseline",
+            ));
+            None
+        }
+    };
+    let result = AbsoluteCalibration {
         components: components.map(|components| components.name().to_string()),
         variometer: variometer.map_or_else(Vec::new, |variometer| variometer.recordings),
-        circle_arcsec: measured.known.circle.to_degrees() * 3600.0,
+        circle_arcsec: measured.known.circle / ARCSEC,
         degrees_of_freedom: Some(measured.freedom).filter(|freedom| freedom.is_finite()),
-        sets: (0..measured.sets.len()).map(|at| measured.written(at, components.is_some())).collect(),
+        sets: (0..measured.sets.len()).map(|at| measured.written(at, adopted.as_ref())).collect(),
+        adopted,
+        findings,
         ..AbsoluteCalibration::default()
     };
-    match components {
-        Some(components) => {
-            let (adopted, told) = adopted::adopted(&document, &measured, &result.sets, components)?;
-            // Errors of a whole measurement, such as its levelling, show in the scatter of all of them alone.
-            for set in &mut result.sets {
-                for (value, one) in set.baseline.values_mut().zip(adopted.components.values()) {
-                    let std = value.std().unwrap_or(0.0).hypot(one.scatter_std);
-                    let factor = value.coverage_factor_95();
-                    *value = Quantity::new(value.value(), std);
-                    if let Some(factor) = factor {
-                        *value = value.clone().covered_by(factor);
-                    }
-                }
-            }
-            (result.adopted, result.findings) = (Some(adopted), told);
-        }
-        None => result.findings.push(Code::NotDetermined.said(
-            "no variometer: the field is taken as constant during each measurement, and there is no baseline",
-        )),
-    }
     joint::put(&mut document, &measured, &result.sets)?;
     document.calibration.get_or_insert_default().absolute = Some(Box::new(result));
     Ok(document)

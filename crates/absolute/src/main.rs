@@ -1,6 +1,5 @@
 //! `absolute`: absolute measurements of an observatory.
 
-use absolute::Options;
 use clap::Parser;
 use program::manual;
 use program::pipe::{self, Program, StageIo};
@@ -27,7 +26,6 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
-    let run = |document| absolute::run(document, &Options {});
-    pipe::stage(PROGRAM, &cli.stage, Vec::new(), run, absolute::summary)?;
+    pipe::stage(PROGRAM, &cli.stage, Vec::new(), absolute::run, absolute::summary)?;
     Ok(())
 }

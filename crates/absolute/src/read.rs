@@ -1,12 +1,12 @@
 //! The readings of a theodolite and of the variometer beside it.
 
-use common::number::{bare, quoted, significant};
+use common::number::{bare, counted, quoted, significant};
+use common::time::Start;
 use common::{Document, Error, Recording, procedure};
 use nalgebra::Vector3;
 use physics::Components;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::sets::moment;
 use crate::variometer::{LONGEST_STEP_S, Variometer, components, needed, sensors};
 
 /// Telescope readings whose zenith angle is nearer to the horizon than this, with the circle read, may be those
@@ -35,10 +35,36 @@ pub struct Row {
 pub enum Circle {
     /// Towards the mark, magnetometer above or below.
     Mark { horizontal: f64, above: bool },
-    /// Of the field; where the horizontal circle was not read the azimuth from magnetic north that it should have had.
-    Field { horizontal: Result<f64, f64>, zenith: f64, reading_nt: f64 },
+    /// Of the field.
+    Field { azimuth: Azimuth, zenith: f64, reading_nt: f64 },
     /// The scalar alone.
     None,
+}
+
+/// Where the horizontal circle stood, rad.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Azimuth {
+    /// As it was read.
+    Circle(f64),
+    /// Where it was not read: from the magnetic meridian, as it should have stood.
+    FromMeridian(f64),
+}
+
+impl Azimuth {
+    /// From north, which the circle reads as `north`, at a declination.
+    pub fn geographic(self, north: f64, declination: f64) -> f64 {
+        match self {
+            Self::Circle(circle) => circle - north,
+            Self::FromMeridian(from) => from + declination,
+        }
+    }
+}
+
+impl Circle {
+    /// Whether the telescope was level and its circle read.
+    pub fn is_level(&self) -> bool {
+        matches!(self, Self::Field { azimuth: Azimuth::Circle(_), zenith, .. } if zenith.cos().abs() < LEVEL)
+    }
 }
 
 /// One measurement.
@@ -76,7 +102,18 @@ pub fn sets(document: &Document, variometer: Option<&Variometer>) -> Result<Vec<
         let expected = "measurements within 50 years; check `start` and `time_s`";
         return Err(Error::document(&odd.path, format!("one of {}", moment(time(odd))), expected));
     }
+    let components = |set: &Set| set.components.map_or("none", Components::name);
+    if let Some(other) = sets.iter().find(|set| set.components != sets[0].components) {
+        let found = format!("\"{}\" after \"{}\"", components(other), components(&sets[0]));
+        let expected = "readings of one variometer, along the same components, in all measurements";
+        return Err(Error::document(format!("{}.conditions.components", other.path), found, expected));
+    }
     Ok(sets)
+}
+
+/// RFC 3339 to the second.
+pub fn moment(unix_s: f64) -> String {
+    Start { unix_s: unix_s.round(), offset_s: 0.0 }.text().unwrap_or_default()
 }
 
 /// Mean time of the readings of the field, Unix, s.
@@ -87,60 +124,17 @@ pub fn time(set: &Set) -> f64 {
 }
 
 fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> Result<Set, Error> {
-    let angle = |name: &str, row: usize| -> Result<f64, Error> {
-        let degrees = recording.column(name).map_or(f64::NAN, |column| column[row]);
-        if degrees.is_nan() || (-360.0..=360.0).contains(&degrees) {
-            return Ok(degrees.to_radians());
-        }
-        let expected =
-            "degrees from 0 to 360; a circle in grades (gon) has 400: multiply its readings by 0.9";
-        Err(Error::document(format!("{path}.columns.{name}[{row}]"), quoted(degrees), expected))
-    };
     let residual = needed(recording, &path, "residual_nt")?;
     needed(recording, &path, "vertical_deg")?;
-    let own = sensors(recording, &path).ok();
+    let has_own = recording.columns.keys().any(|name| name.starts_with("sensor_") && name.ends_with("_nt"));
+    let own = if has_own { Some(sensors(recording, &path)?) } else { None };
     let own_components = own.map(|_| components(recording, &path)).transpose()?;
     let start_s = recording.start().map_or(f64::NAN, |start| start.unix_s);
     let mut rows = Vec::new();
     let mut without_variometer = Vec::new();
     for row in 0..recording.rows() {
         let time_s = start_s + recording.column("time_s").map_or(f64::NAN, |times| times[row]);
-        let (horizontal, zenith) = (angle("horizontal_deg", row)?, angle("vertical_deg", row)?);
-        let direction = angle("direction_deg", row)?;
-        let circle = if residual[row].is_nan() {
-            match (horizontal.is_nan(), zenith.is_nan()) {
-                (true, _) => Circle::None,
-                (false, true) => {
-                    let expected = "90 with the magnetometer above the telescope, 270 with it below: the collimation of the telescope has the other sign then";
-                    return Err(Error::document(
-                        format!("{path}.columns.vertical_deg[{row}]"),
-                        "null in a reading of the mark",
-                        expected,
-                    ));
-                }
-                _ => Circle::Mark { horizontal, above: zenith.sin() > 0.0 },
-            }
-        } else {
-            let null = |name: &str, expected: &str| {
-                Err(Error::document(format!("{path}.columns.{name}[{row}]"), "null", expected))
-            };
-            if zenith.is_nan() {
-                return null(
-                    "vertical_deg",
-                    "the vertical circle of a reading of the magnetometer, as zenith angle",
-                );
-            }
-            let horizontal = match (horizontal.is_nan(), direction.is_nan()) {
-                (false, _) => Ok(horizontal),
-                // Beyond 180° of zenith angle the view is opposite to the circle.
-                (true, false) => Err(direction + if zenith.sin() < 0.0 { PI } else { 0.0 }),
-                (true, true) => {
-                    let expected = "the horizontal circle; where it was not read give `direction_deg`, 0 where the telescope looked to magnetic north and 180 where it looked south";
-                    return null("horizontal_deg", expected);
-                }
-            };
-            Circle::Field { horizontal, zenith, reading_nt: residual[row] }
-        };
+        let circle = circle(recording, &path, row, residual[row])?;
         let scalar =
             recording.column("reference_nt").map(|column| column[row]).filter(|value| value.is_finite());
         let in_sheet = own.map(|columns| Vector3::from(columns.map(|column| column[row])));
@@ -148,9 +142,10 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
             (Some(reading), _) => {
                 (Some(reading).filter(|reading| reading.iter().all(|v| v.is_finite())), f64::NAN)
             }
-            (None, Some(variometer)) => {
-                (variometer.reading_nt.at(time_s), variometer.scalar_nt.at(time_s).unwrap_or(f64::NAN))
-            }
+            (None, Some(variometer)) => (
+                variometer.reading_nt.at(time_s, LONGEST_STEP_S),
+                variometer.scalar_nt.at(time_s, LONGEST_STEP_S).unwrap_or(f64::NAN),
+            ),
             (None, None) => (Some(Vector3::zeros()), f64::NAN),
         };
         let is_field = matches!(circle, Circle::Field { .. });
@@ -182,8 +177,8 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
             |row: &Row| recording.column("reference_nt").is_some_and(|column| column[row.row].is_finite());
         rows.iter_mut().filter(|row| !of_sheet(row)).for_each(|row| row.scalar_nt = None);
     }
-    let stated = |name: &str| recording.conditions.quantity(name);
-    let azimuth = stated("mark_azimuth_deg");
+    let stated = |name: &str| recording.conditions.quantity(name, &path);
+    let azimuth = stated("mark_azimuth_deg")?;
     if azimuth.is_none() {
         let expected = "the azimuth of the mark from geographic north towards east, degrees, a number or {\"value\", \"std\"}";
         return Err(Error::document(format!("{path}.conditions.mark_azimuth_deg"), "none", expected));
@@ -191,11 +186,12 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
     let both = |quantity: Option<common::Quantity>| {
         quantity.map_or([0.0; 2], |quantity| [quantity.value(), quantity.std().unwrap_or(0.0)])
     };
+    let pillar = both(stated("pillar_difference_nt")?);
     let components = own_components.or(variometer.map(|variometer| variometer.components));
     let set = Set {
         id: recording.id.clone(),
         azimuth: both(azimuth).map(f64::to_radians),
-        pillar: both(stated("pillar_difference_nt")),
+        pillar,
         components,
         rows,
         path,
@@ -208,25 +204,61 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
     Ok(set)
 }
 
+/// What was read of the circles in a row.
+fn circle(recording: &Recording, path: &str, row: usize, reading_nt: f64) -> Result<Circle, Error> {
+    let angle = |name: &str| -> Result<f64, Error> {
+        let degrees = recording.column(name).map_or(f64::NAN, |column| column[row]);
+        if degrees.is_nan() || (-360.0..=360.0).contains(&degrees) {
+            return Ok(degrees.to_radians());
+        }
+        let expected =
+            "degrees from −360 to 360; a circle in grades (gon) has 400: multiply its readings by 0.9";
+        Err(Error::document(format!("{path}.columns.{name}[{row}]"), quoted(degrees), expected))
+    };
+    let (horizontal, zenith) = (angle("horizontal_deg")?, angle("vertical_deg")?);
+    let direction = angle("direction_deg")?;
+    let null = |name: &str, found: &str, expected: &str| {
+        Err(Error::document(format!("{path}.columns.{name}[{row}]"), found, expected))
+    };
+    if reading_nt.is_nan() {
+        return match (horizontal.is_nan(), zenith.is_nan()) {
+            (true, _) => Ok(Circle::None),
+            (false, true) => {
+                let expected = "90 with the magnetometer above the telescope, 270 with it below: the collimation of the telescope has the other sign then";
+                null("vertical_deg", "null in a reading of the mark", expected)
+            }
+            _ => Ok(Circle::Mark { horizontal, above: zenith.sin() > 0.0 }),
+        };
+    }
+    if zenith.is_nan() {
+        let expected = "the vertical circle of a reading of the magnetometer, as zenith angle";
+        return null("vertical_deg", "null", expected);
+    }
+    let azimuth = match (horizontal.is_nan(), direction.is_nan()) {
+        (false, _) => Azimuth::Circle(horizontal),
+        // Beyond 180° of zenith angle the view is opposite to the circle.
+        (true, false) => Azimuth::FromMeridian(direction + if zenith.sin() < 0.0 { PI } else { 0.0 }),
+        (true, true) => {
+            let expected = "the horizontal circle; where it was not read give `direction_deg`, 0 where the telescope looked to magnetic north and 180 where it looked south";
+            return null("horizontal_deg", "null", expected);
+        }
+    };
+    Ok(Circle::Field { azimuth, zenith, reading_nt })
+}
+
 impl Row {
     /// The position of the telescope, in words, at a declination on the circle.
     pub fn position(&self, magnetic_north: f64) -> String {
         match self.circle {
             Circle::Mark { above, .. } => format!("mark {}", face(above)),
-            Circle::Field { horizontal, zenith, .. } => {
+            Circle::Field { azimuth, zenith, .. } => {
                 let turned = if zenith.sin() > 0.0 { 0.0 } else { PI };
-                let view =
-                    horizontal.map_or_else(|direction| direction, |angle| angle - magnetic_north) + turned;
+                let view = azimuth.geographic(magnetic_north, 0.0) + turned;
                 let quarter = (view / FRAC_PI_2).round().rem_euclid(4.0) as usize;
                 format!("{} {}", ["north", "east", "south", "west"][quarter], face(zenith.sin() > 0.0))
             }
             Circle::None => "scalar".into(),
         }
-    }
-
-    /// Whether the telescope was level and its circle read.
-    pub fn is_level(&self) -> bool {
-        matches!(self.circle, Circle::Field { horizontal: Ok(_), zenith, .. } if zenith.cos().abs() < LEVEL)
     }
 }
 
@@ -239,7 +271,7 @@ pub fn silent(set: &Set) -> Option<String> {
     let first = set.without_variometer.first()?;
     Some(format!(
         "{} of \"{}\" without a reading of the variometer within {} s, left out, the first in row {}",
-        common::number::counted(set.without_variometer.len(), "reading"),
+        counted(set.without_variometer.len(), "reading"),
         set.id,
         significant(LONGEST_STEP_S, 2),
         bare(*first as f64)

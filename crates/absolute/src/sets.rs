@@ -1,11 +1,11 @@
 //! All measurements of a document, with one uncertainty of the circle for all.
 
 use common::number::{counted, significant};
-use common::time::Start;
-use common::{AbsoluteReading, AbsoluteSet, Code, Document, Quantity};
+use common::{AbsoluteReading, AbsoluteSet, AdoptedBaselines, Code, Document, Quantity};
 use estimate::influence::adjusted_p;
 use estimate::stats::{chi_squared_p, coverage_factor};
 use nalgebra::{Matrix3, SMatrix, Vector3};
+use physics::frames::ARCSEC;
 
 use crate::fit::{Found, Known, baseline, declination, fit, north};
 use crate::read::{self, Set};
@@ -19,6 +19,8 @@ const BEGINS_ARCSEC: f64 = 3.0;
 const FINEST_ARCSEC: f64 = 1e-3;
 /// A reading that chance would give in fewer cases than this is an outlier.
 pub const OUTLIER: f64 = 1e-3;
+/// Share of chance from which readings scatter as usual.
+const USUAL: f64 = 0.01;
 /// Share of chance below which a measurement scatters more than its circle allows.
 const SCATTERS: f64 = 1e-4;
 
@@ -37,7 +39,7 @@ pub fn measured(document: &Document, sets: Vec<Set>) -> Result<Measured, Error> 
     let facility = document.facility.as_ref();
     let stated = facility.and_then(|facility| facility.theodolite_arcsec).filter(|arcsec| *arcsec > 0.0);
     let scalar_nt = facility.and_then(|facility| facility.reference_std_nt).unwrap_or(0.0);
-    let mut known = Known { circle: arcsec(stated.unwrap_or(BEGINS_ARCSEC)), scalar_nt };
+    let mut known = Known { circle: stated.unwrap_or(BEGINS_ARCSEC) * ARCSEC, scalar_nt };
     let fitted = |known: Known| sets.iter().map(|set| fit(set, known)).collect::<Result<Vec<_>, Error>>();
     let mut found = fitted(known)?;
     for (set, found) in sets.iter().zip(&found) {
@@ -50,8 +52,8 @@ pub fn measured(document: &Document, sets: Vec<Set>) -> Result<Measured, Error> 
             for found in &found {
                 let (own, of) = found.circles();
                 // A misread circle is not the scatter of the others.
-                let worst = found.residuals().iter().map(|[_, _, t]| t * t).fold(0.0, f64::max);
-                let outlier = of > 2.0 && adjusted_p(worst.sqrt(), of - 1.0, found.rows.len()) < OUTLIER;
+                let worst = found.residuals().iter().map(|[_, _, t]| t.abs()).fold(0.0, f64::max);
+                let outlier = of > 2.0 && adjusted_p(worst, of - 1.0, found.rows.len()) < OUTLIER;
                 if !outlier {
                     (chi_squared, free) = (chi_squared + own, free + of);
                 }
@@ -59,16 +61,12 @@ pub fn measured(document: &Document, sets: Vec<Set>) -> Result<Measured, Error> 
             if free <= 0.0 {
                 break;
             }
-            known.circle = (known.circle * (chi_squared / free).sqrt()).max(arcsec(FINEST_ARCSEC));
+            known.circle = (known.circle * (chi_squared / free).sqrt()).max(FINEST_ARCSEC * ARCSEC);
             freedom = free;
             found = fitted(known)?;
         }
     }
     Ok(Measured { sets: sets.into_iter().zip(found).collect(), known, freedom })
-}
-
-fn arcsec(value: f64) -> f64 {
-    (value / 3600.0).to_radians()
 }
 
 /// The derivatives of D, I, F, H, X, Y, Z by the field, with their values; angles in rad.
@@ -95,12 +93,12 @@ impl Measured {
         Matrix3::from_fn(|i, j| all[(i, j)])
     }
 
-    /// By how much a standard uncertainty of the mark's azimuth, and one of the scalar with the pillars, moves the baseline values.
+    /// By how much a standard uncertainty of the mark's azimuth, and one of the scalar with the pillars, moves the
+    /// baseline values.
     pub fn common(&self, at: usize) -> [Vector3<f64>; 2] {
         let (set, found) = &self.sets[at];
-        let (_, by) = found.field();
+        let (field, by) = found.field();
         // An azimuth that is too large turns the field with it.
-        let (field, _) = found.field();
         let turned = Vector3::new(-field.y, field.x, 0.0) * set.azimuth[1];
         let mark = by.try_inverse().map_or_else(Vector3::zeros, |inverse| inverse * turned);
         let pillar = Vector3::from_fn(|k, _| found.by_pillar[k]) * set.pillar[1].hypot(self.known.scalar_nt);
@@ -128,15 +126,17 @@ impl Measured {
         coverage_factor(0.95, self.freedom)
     }
 
-    /// What is written of a measurement.
-    pub fn written(&self, at: usize, has_variometer: bool) -> AbsoluteSet {
+    /// What is written of a measurement. Errors of all its readings, such as the levelling, show in the scatter of the
+    /// measurements about the adopted baselines alone.
+    pub fn written(&self, at: usize, adopted: Option<&AdoptedBaselines>) -> AbsoluteSet {
         let (set, found) = &self.sets[at];
         let (field, by_baseline) = found.field();
         let (values, by_field) = elements(&field);
-        let own = self.covariance(at);
-        let total = own + self.common(at).iter().map(|moved| moved * moved.transpose()).sum::<Matrix3<f64>>();
+        let common = self.common(at).iter().map(|moved| moved * moved.transpose()).sum::<Matrix3<f64>>();
         let by = by_field * by_baseline;
-        let std = (by * total * by.transpose()).diagonal().map(|variance: f64| variance.max(0.0).sqrt());
+        let std = (by * (self.covariance(at) + common) * by.transpose())
+            .diagonal()
+            .map(|variance: f64| variance.max(0.0).sqrt());
         let factor = self.factor();
         let quantity =
             |k: usize, unit: f64| Quantity::new(values[k] / unit, std[k] / unit).covered_by(factor);
@@ -147,15 +147,10 @@ impl Measured {
         let unknown = |k: usize, unit: f64| {
             Quantity::new(state[k] / unit, all[(k, k)].sqrt() / unit).covered_by(factor)
         };
-        let (keys, units) = (found.components.keys(), found.components.units());
-        let value_of = |k: usize| {
-            let value = state[k] / units[k];
-            (keys[k].to_string(), Quantity::new(value, total[(k, k)].sqrt() / units[k]).covered_by(factor))
-        };
         let (chi_squared, degrees_of_freedom) = found.circles();
         let mut written = AbsoluteSet {
             recording: set.id.clone(),
-            time: moment(read::time(set)),
+            time: read::moment(read::time(set)),
             declination_deg: quantity(0, degree),
             inclination_deg: quantity(1, degree),
             f_nt: in_nt(2),
@@ -164,17 +159,24 @@ impl Measured {
             y_nt: in_nt(5),
             z_nt: in_nt(6),
             sensor_offset_nt: unknown(5, 1.0),
-            horizontal_collimation_arcsec: unknown(6, arcsec(1.0)),
-            vertical_collimation_arcsec: unknown(7, arcsec(1.0)),
-            mark_collimation_arcsec: unknown(4, arcsec(1.0)),
+            horizontal_collimation_arcsec: unknown(6, ARCSEC),
+            vertical_collimation_arcsec: unknown(7, ARCSEC),
+            mark_collimation_arcsec: unknown(4, ARCSEC),
             circle_north_deg: north(state).to_degrees().rem_euclid(360.0),
             chi_squared,
             degrees_of_freedom,
             readings: self.readings(at),
             ..AbsoluteSet::default()
         };
-        if has_variometer {
-            written.baseline = (0..3).map(value_of).collect();
+        if let Some(adopted) = adopted {
+            let (keys, units) = (found.components.keys(), found.components.units());
+            let scatter = Vector3::from_fn(|k, _| adopted.components[keys[k]].scatter_std * units[k]);
+            let own = self.covariance(at) + Matrix3::from_diagonal(&scatter.component_mul(&scatter));
+            let value = |k: usize| {
+                let std = (own + common)[(k, k)].sqrt();
+                (keys[k].into(), Quantity::new(state[k] / units[k], std / units[k]).covered_by(factor))
+            };
+            written.baseline = (0..3).map(value).collect();
             written.covariance =
                 Some(std::array::from_fn(|i| std::array::from_fn(|j| own[(i, j)] / units[i] / units[j])));
         }
@@ -189,8 +191,8 @@ impl Measured {
         let of = |(row, [residual, left_out, t]): (&read::Row, [f64; 3])| AbsoluteReading {
             row: row.row,
             position: row.position(magnetic_north),
-            residual_arcsec: residual / arcsec(1.0),
-            leave_one_out_arcsec: left_out / arcsec(1.0),
+            residual_arcsec: residual / ARCSEC,
+            leave_one_out_arcsec: left_out / ARCSEC,
             t,
         };
         found.rows.iter().zip(found.residuals()).map(of).collect()
@@ -198,12 +200,15 @@ impl Measured {
 
     /// The worst reading of a measurement, where chance does not give it.
     pub fn outlier(&self, at: usize) -> Option<AbsoluteReading> {
-        let worst = self.readings(at).into_iter().max_by(|a, b| a.t.abs().total_cmp(&b.t.abs()))?;
-        let (_, free) = self.sets[at].1.circles();
+        let readings = self.readings(at).into_iter().enumerate();
+        let (place, worst) = readings.max_by(|a, b| a.1.t.abs().total_cmp(&b.1.t.abs()))?;
+        let (_, found) = &self.sets[at];
+        let (rest, free) = (found.without(place), found.circles().1 - 1.0);
         let count: usize = self.sets.iter().map(|(_, found)| found.rows.len()).sum();
-        // Of few readings the scatter of all says more than their own.
-        let freedom = if self.freedom.is_finite() { self.freedom.max(free) } else { 1e6 };
-        (adjusted_p(worst.t, freedom, count) < OUTLIER).then_some(worst)
+        // Where the others scatter as those of all measurements do, that is what it is judged by; else by theirs.
+        let usual = free > 0.0 && chi_squared_p(rest, free) > USUAL;
+        let freedom = if usual { self.freedom } else { free };
+        (freedom > 0.0 && adjusted_p(worst.t, freedom, count) < OUTLIER).then_some(worst)
     }
 
     fn outliers(&self, at: usize) -> Option<common::Finding> {
@@ -221,17 +226,12 @@ impl Measured {
         }
         (free > 0.0 && chi_squared_p(chi_squared, free) < SCATTERS).then(|| {
             Code::ExcessScatter.said(format!(
-                "its {} scatter {} times as much as those of the others; measure it again",
+                "its {} scatter {} times more than the standard uncertainty of the circle allows; measure it again",
                 counted(found.rows.len(), "reading"),
                 significant((chi_squared / free).sqrt(), 2)
             ))
         })
     }
-}
-
-/// RFC 3339 to the second.
-pub fn moment(unix_s: f64) -> String {
-    Start { unix_s: unix_s.round(), offset_s: 0.0 }.text().unwrap_or_default()
 }
 
 #[cfg(test)]

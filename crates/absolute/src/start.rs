@@ -60,7 +60,7 @@ pub fn start(
             "read the circle again, or correct the sheet"
         };
         return Err(refused(format!(
-            "readings of the mark differ by {degrees:.2}° beside the half turn between the faces (vertical_deg is 90 with the magnetometer above the telescope, 270 below); {remedy}"
+            "readings of the mark differ by {degrees:.2}° after removing the 180° between faces (vertical_deg is 90 with the magnetometer above the telescope, 270 below); {remedy}"
         )));
     }
     let north = first + spread - set.azimuth[0];
@@ -71,8 +71,8 @@ pub fn start(
     }
     let views = |level: bool, declination: f64| -> Vec<[f64; 4]> {
         let of = |row: &&Row| match row.circle {
-            Circle::Field { horizontal, zenith, .. } if !level || row.is_level() => {
-                let azimuth = horizontal.map_or_else(|from| from + declination, |circle| circle - north);
+            Circle::Field { azimuth, zenith, .. } if !level || row.circle.is_level() => {
+                let azimuth = azimuth.geographic(north, declination);
                 let (sin, cos) = zenith.sin_cos();
                 Some([sin * azimuth.cos(), sin * azimuth.sin(), -cos, 1.0])
             }

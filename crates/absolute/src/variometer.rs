@@ -21,13 +21,13 @@ pub struct Variometer {
 pub struct Series<T>(Vec<(f64, T)>);
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Series<T> {
-    fn of(mut rows: Vec<(f64, T)>) -> Self {
+    pub fn of(mut rows: Vec<(f64, T)>) -> Self {
         rows.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self(rows)
     }
 
-    /// The value at a moment, on the line between its neighbours.
-    pub fn at(&self, time_s: f64) -> Option<T> {
+    /// The value at a moment, on the line between its neighbours; None where they are further apart than this, s.
+    pub fn at(&self, time_s: f64, longest_s: f64) -> Option<T> {
         let next = self.0.partition_point(|(time, _)| *time < time_s);
         let (to, after) = *self.0.get(next)?;
         if to == time_s {
@@ -35,7 +35,7 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Series<
         }
         let (from, before) = self.0[next.checked_sub(1)?];
         let share = (time_s - from) / (to - from);
-        (to - from <= LONGEST_STEP_S).then(|| before + (after - before) * share)
+        (to - from <= longest_s).then(|| before + (after - before) * share)
     }
 }
 

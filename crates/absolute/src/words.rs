@@ -37,19 +37,19 @@ pub fn summary(document: &Document) -> String {
     if count > LISTED {
         lines.push(format!("  … and {} more", count - LISTED));
     }
-    // Of one or two measurements there is no course to tell.
+    // Of one or two measurements there is no trend to tell.
     let adopted = found.adopted.iter().filter(|_| count > 2);
     for (key, one) in adopted.flat_map(|adopted| &adopted.components) {
-        let share = one.probabilities.get(&one.course).copied().unwrap_or_default();
+        let share = one.probabilities.get(&one.trend).copied().unwrap_or_default();
         let (name, unit) = named(key);
         let mut words = format!(
-            "  adopted {name}: {} (probability {}), left-out measurements differ by {}{unit} rms",
-            one.course,
+            "  adopted {name}: {} (probability {}), leave-one-out residuals {}{unit} rms",
+            one.trend,
             significant(share, 2),
             significant(one.left_out_rms, 2)
         );
         for follows in &one.follows {
-            words += &format!(", follows {} by {}{unit} a unit", follows.column, follows.coefficient);
+            words += &format!(", follows {} by {}{unit} per unit", follows.column, follows.coefficient);
         }
         lines.push(words);
     }

@@ -64,7 +64,7 @@ pub struct AbsoluteSet {
     /// measurements about the adopted baseline (`scatter_std`) is in their uncertainty.
     #[serde(skip_serializing_if = "IndexMap::is_empty")]
     pub baseline: IndexMap<String, Quantity>,
-    /// Covariance of these by the readings alone, in their order and units: without what is common to all
+    /// Covariance of these, in their order and units, by the readings and the scatter: without what is common to all
     /// measurements, the azimuth of the mark and the difference of the pillars.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub covariance: Option<[[f64; 3]; 3]>,
@@ -131,16 +131,17 @@ pub struct AdoptedBaselines {
 }
 
 impl AdoptedBaselines {
-    /// Value and standard uncertainty of each component so long after `start`, without what it follows beside the
-    /// time; at a step the value behind it. None outside the nodes.
-    pub fn at(&self, time_s: f64) -> Option<Vec<[f64; 2]>> {
+    /// Value and standard uncertainty of a component at a time since `start`, without the columns that it depends on;
+    /// at a step the value after it. None outside the nodes, and of a component that is not there.
+    pub fn at(&self, component: &str, time_s: f64) -> Option<[f64; 2]> {
+        let component = self.components.get(component)?;
         let next = self.time_s.partition_point(|node| *node <= time_s);
         let next = if self.time_s.last() == Some(&time_s) { next - 1 } else { next };
         let before = next.checked_sub(1)?;
         let (from, to) = (*self.time_s.get(before)?, *self.time_s.get(next)?);
         let share = if to > from { (time_s - from) / (to - from) } else { 0.0 };
         let on = |all: &[f64]| Some(all.get(before)? + share * (all.get(next)? - all.get(before)?));
-        self.components.values().map(|one| Some([on(&one.value)?, on(&one.std)?])).collect()
+        Some([on(&component.value)?, on(&component.std)?])
     }
 }
 
@@ -153,10 +154,9 @@ pub struct AdoptedBaseline {
     pub value: Vec<f64>,
     /// Standard uncertainty at each node.
     pub std: Vec<f64>,
-    /// The course of most evidence: `constant`, `line`, `parabola`, `cubic` or `spline`, with ` and random walk` or without;
-    /// `random walk` where there is nothing else.
-    pub course: String,
-    /// Probability of each course.
+    /// The trend of most evidence: `constant`, `line`, `parabola`, `cubic` or `spline`, each beside a random walk.
+    pub trend: String,
+    /// Probability of each trend.
     pub probabilities: IndexMap<String, f64>,
     /// Steps, where there are some.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -166,8 +166,11 @@ pub struct AdoptedBaseline {
     pub follows: Vec<BaselineFollows>,
     /// Scatter of the measurements about it beyond their own uncertainty.
     pub scatter_std: f64,
-    /// Rms of each measurement about what the others give, of the course of most evidence.
+    /// Rms of the leave-one-out residuals, of the trend of most evidence.
     pub left_out_rms: f64,
+    /// Recordings of measurements that are not used for it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub not_used: Vec<String>,
 }
 
 /// A step of a baseline.

@@ -263,9 +263,20 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// A condition of another name that is a number, with its uncertainty where one is stated.
-    pub fn quantity(&self, name: &str) -> Option<Quantity> {
-        serde_json::from_value(self.extra.get(name)?.clone()).ok()
+    /// A condition of another name that is a number, with its uncertainty where one is stated. `path` is that of the
+    /// recording.
+    ///
+    /// # Errors
+    ///
+    /// Something else under that name.
+    pub fn quantity(&self, name: &str, path: &str) -> Result<Option<Quantity>, Error> {
+        let read = |stated: &serde_json::Value| {
+            serde_json::from_value(stated.clone()).map_err(|_| {
+                let expected = "a number, or {\"value\": number, \"std\": number}";
+                Error::document(format!("{path}.conditions.{name}"), stated.to_string(), expected)
+            })
+        };
+        self.extra.get(name).map(read).transpose()
     }
 }
 

@@ -1,4 +1,4 @@
-//! Corrected fields in the formats of observatories. [`Written`] checks what all of them need, the station's code, the
+//! Corrected fields in observatory formats. [`Written`] checks what all of them need, the station's code, the
 //! start, the times and the size of the field, once; a [`Format`] makes bytes of rows.
 
 mod cdf;
@@ -6,8 +6,6 @@ mod iaga;
 pub(crate) mod ibf;
 mod imagcdf;
 mod imf;
-mod out;
-mod tt2000;
 
 use common::time::Start;
 use common::{Axis, Error, Recording};
@@ -17,7 +15,7 @@ use std::path::Path;
 
 use crate::Corrected;
 use crate::noise::length_and_step_s;
-use out::Out;
+use program::pipe::Sink;
 
 /// Beyond this, nT, the formats have codes of what is missing or not observed, 88 888 and 99 999.
 const LARGEST_NT: f64 = 88_880.0;
@@ -48,13 +46,14 @@ pub struct Station<'a> {
 }
 
 /// What headers say.
-#[derive(Clone)]
 struct About {
     code: String,
     /// Degrees north, degrees east from 0 to 360, metres.
     place: Option<[f64; 3]>,
     /// From one row to the next; None where there is one row.
     step_s: Option<f64>,
+    /// Whether baselines were adopted for the data.
+    is_adjusted: bool,
 }
 
 /// X north, Y east, Z down, nT; NaN where there is no field.
@@ -66,7 +65,7 @@ struct Row {
     scalar_nt: Option<f64>,
 }
 
-/// What is as the format wants it.
+/// Requirements of a format.
 struct Rules {
     /// As errors call the format.
     name: &'static str,
@@ -74,8 +73,6 @@ struct Rules {
     letters: usize,
     /// The resolution of its times, ns.
     resolution_ns: i64,
-    /// Whether the stamp of a mean is the beginning of its window; `series average` has the middle.
-    stamps_beginnings: bool,
 }
 
 /// How rows become bytes.
@@ -107,15 +104,14 @@ impl Observatory {
 
 /// A file that is being written.
 pub struct Written {
-    out: Out,
+    sink: Sink,
     observatory: Observatory,
-    rules: Rules,
-    about: About,
+    code: String,
+    place: Option<[f64; 3]>,
+    is_adjusted: bool,
     /// When `time_s` is zero, since 1970.
-    start_us: i64,
+    start_ns: i64,
     last_ns: Option<i64>,
-    /// That a stamp is earlier than `time_s` says.
-    earlier_ns: i64,
     /// Rows so far.
     count: u64,
     /// There from the first row on.
@@ -127,9 +123,14 @@ impl Written {
     ///
     /// # Errors
     ///
-    /// A code that is none; a recording without `start`; a file that cannot be written.
-    pub fn create(output: Option<&Path>, station: Station<'_>, recording: &Recording) -> Result<Self, Error> {
-        let (observatory, rules) = (station.format, station.format.rules());
+    /// An invalid code; a recording without `start`; a file that cannot be written.
+    pub fn create(
+        output: Option<&Path>,
+        station: Station<'_>,
+        recording: &Recording,
+        is_adjusted: bool,
+    ) -> Result<Self, Error> {
+        let rules = station.format.rules();
         let code = station_code(station.code, rules.letters)?;
         let told = station.start.map(|text| {
             let expected = "--start is not a time; expected RFC 3339, as in 2026-05-26T14:44:35Z";
@@ -140,11 +141,17 @@ impl Written {
             return Err(Error::Request(format!("{} {unknown}", rules.name)));
         };
         let place = station.place.map(|[north, east, height_m]| [north, east.rem_euclid(360.0), height_m]);
-        let about = About { code, place, step_s: None };
-        let start_us = (start.unix_s * 1e6).round() as i64;
-        let out = Out::open(output)?;
-        let (last_ns, earlier_ns, count, format) = (None, 0, 0, None);
-        Ok(Self { out, observatory, rules, about, start_us, last_ns, earlier_ns, count, format })
+        Ok(Self {
+            sink: Sink::open(output)?,
+            observatory: station.format,
+            code,
+            place,
+            is_adjusted,
+            start_ns: (start.unix_s * 1e6).round() as i64 * 1000,
+            last_ns: None,
+            count: 0,
+            format: None,
+        })
     }
 
     /// Writes rows. False: the reader of standard output has gone.
@@ -153,16 +160,22 @@ impl Written {
     ///
     /// Rows without a time, out of order, or as the format cannot hold them.
     pub fn write(&mut self, recording: &Recording, corrected: &Corrected) -> Result<bool, Error> {
+        let rules = self.observatory.rules();
         let Some(times) = recording.column("time_s") else {
             return Err(Error::Request(format!(
                 "found no column time_s; {} has a time in each row",
-                self.rules.name
+                rules.name
             )));
         };
         let mut bytes = Vec::new();
         let mut format = match self.format.take() {
             Some(format) => format,
-            None => self.begin(recording, times, &mut bytes)?,
+            None => {
+                let step_s = length_and_step_s(times).map(|[_, step_s]| step_s);
+                let Self { code, place, is_adjusted, .. } = self;
+                let about = About { code: code.clone(), place: *place, step_s, is_adjusted: *is_adjusted };
+                self.observatory.begin(about, &mut bytes)?
+            }
         };
         let scalar = recording.column("reference_nt");
         for (row, time_s) in times.iter().enumerate() {
@@ -179,7 +192,7 @@ impl Written {
             if let Some(value) = too_large.or(no_length) {
                 let expected = format!(
                     "a field within ±{LARGEST_NT} nT and a reference_nt that is not negative, which {} can hold; write a table (-o field.csv)",
-                    self.rules.name
+                    rules.name
                 );
                 return Err(found(format!("{value} nT"), &expected));
             }
@@ -189,40 +202,21 @@ impl Written {
             self.last_ns = Some(ns);
         }
         self.format = Some(format);
-        self.out.write(&bytes)
-    }
-
-    fn begin(
-        &mut self,
-        recording: &Recording,
-        times: &[f64],
-        bytes: &mut Vec<u8>,
-    ) -> Result<Box<dyn Format>, Error> {
-        self.about.step_s = length_and_step_s(times).map(|[_, step_s]| step_s);
-        let are_means = self.rules.stamps_beginnings && recording.column("samples").is_some();
-        if let Some(step_s) = self.about.step_s.filter(|_| are_means) {
-            self.earlier_ns = (step_s * 0.5e9).round() as i64;
-        }
-        self.observatory.begin(self.about.clone(), bytes)
+        self.sink.write(&bytes)
     }
 
     /// The stamp of a row, to the format's resolution; else what is expected.
     fn moment(&self, time_s: f64) -> Result<i64, String> {
-        let resolution = self.rules.resolution_ns;
+        let Rules { name, resolution_ns: resolution, .. } = self.observatory.rules();
         let since = (time_s.abs() < 9e9).then(|| (time_s * 1e9).round() as i64);
-        let ns = since.and_then(|since| {
-            self.start_us.checked_mul(1000)?.checked_add(since)?.checked_sub(self.earlier_ns)
-        });
+        let ns = since.and_then(|since| self.start_ns.checked_add(since));
         // The years of the calendar of 64 bits, without its ends.
         let ns = ns.filter(|ns| ns.unsigned_abs() < 9_200_000_000_000_000_000);
         let ns = ns.map(|ns| (ns + resolution / 2).div_euclid(resolution) * resolution);
         let ns = ns.filter(|ns| self.last_ns.is_none_or(|last| *ns > last));
         let least = if resolution < 1_000_000 { "1 ns" } else { "1 ms" };
         ns.ok_or_else(|| {
-            format!(
-                "times that increase by at least {least}, the resolution of {}, from 1678 to 2261",
-                self.rules.name
-            )
+            format!("times that increase by at least {least}, the resolution of {name}, from 1678 to 2261")
         })
     }
 
@@ -231,12 +225,12 @@ impl Written {
         let Some(format) = self.format.as_mut().filter(|_| self.count > 0) else {
             return Err(Error::Request(format!(
                 "found no rows; expected one at least for {}",
-                self.rules.name
+                self.observatory.rules().name
             )));
         };
         let mut bytes = Vec::new();
         format.end(&mut bytes);
-        if self.out.write(&bytes)? { self.out.finish() } else { Ok(()) }
+        if self.sink.write(&bytes)? { self.sink.finish() } else { Ok(()) }
     }
 }
 
@@ -249,8 +243,8 @@ fn station_code(code: &str, letters: usize) -> Result<String, Error> {
     Err(Error::Request(format!("\"{code}\" is not a station code; expected {count} letters or digits")))
 }
 
-/// The calendar's time of a stamp.
-fn calendar(ns: i64) -> Zoned {
+/// The calendar's time of a stamp, ns since 1970.
+pub(crate) fn calendar(ns: i64) -> Zoned {
     let since = SignedDuration::from_nanos(ns);
     Timestamp::from_duration(since).unwrap_or_default().to_zoned(TimeZone::UTC)
 }

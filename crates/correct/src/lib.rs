@@ -4,7 +4,7 @@
 //! uncertainty carry the covariances of the document to each row.
 //!
 //! A variometer is corrected by the baselines that `absolute` adopted (`variometer`), which `baselines` writes as
-//! INTERMAGNET's file of a year.
+//! INTERMAGNET's yearly baseline file.
 //!
 //! `known` has every parameter behind the field with its uncertainty and the root of their covariance;
 //! `recording` gives the field with its derivatives by each of them. Without effects behind the field both
@@ -28,7 +28,6 @@ pub use common::Error;
 pub use formats::{Observatory, Station};
 pub use recording::{Corrected, Corrector};
 pub use table::{Request, correct_table};
-pub use variometer::frame;
 pub use words::{summary, table_summary};
 
 use common::{Axis, Calibration, Column, Document, Quantity, Recording, procedure};
@@ -105,6 +104,7 @@ pub fn run(mut document: Document, frame: Frame) -> Result<Document, Error> {
         let recording = &document.recordings[index];
         let by_baselines = variometer::is_by_baselines(&document, recording);
         let delta = by_baselines.then(|| variometer::delta_f(&document, recording, &corrected)).flatten();
+        let frame = variometer::frame(&document, recording, frame);
         let columns = &mut document.recordings[index].columns;
         columns.extend(delta.map(|delta| (variometer::DELTA_F.to_string(), Column::from(delta))));
         for (name, values) in frame.columns().into_iter().zip(corrected.into_columns()) {

@@ -54,7 +54,7 @@ struct Cli {
     magnitude: KnownMagnitude,
 }
 
-/// A format of observatories in place of a table, in GEO.
+/// An observatory format in place of a table, in GEO.
 #[derive(clap::Args)]
 struct StationOptions {
     /// Write IAGA-2002 for this station (three or four letters), in GEO; with --place its header has the place
@@ -66,7 +66,7 @@ struct StationOptions {
     /// The same as ImagCDF 1.2 (three or four letters)
     #[arg(long, value_name = "CODE", group = "station", requires = "calibration", conflicts_with_all = ["to", "frame"])]
     imagcdf: Option<String>,
-    /// Write the adopted baselines of DOCUMENT as INTERMAGNET's file of a year, IBFV2.00 (three letters)
+    /// Write the adopted baselines of DOCUMENT as INTERMAGNET's yearly baseline file, IBFV2.00 (three letters)
     #[arg(long, value_name = "CODE", conflicts_with_all = ["station", "calibration", "frame", "place", "magnitude_nt"])]
     ibf: Option<String>,
     /// Time at which time_s is zero (RFC 3339), if the recording does not state it
@@ -112,8 +112,7 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
     }
     if let Some(code) = &cli.station.ibf {
         let (input, document) = Input::document(cli.io.file.as_deref(), with_calibration)?;
-        let document = correct::run(document.clone(), Frame::Geo).unwrap_or(document);
-        let text = correct::ibf(&document, code).map_err(|error| input.locate(error))?;
+        let text = correct::ibf(document, code).map_err(|error| input.locate(error))?;
         return Ok(pipe::write(cli.io.output.as_deref(), &text)?);
     }
     let frame_argument = (frame == Frame::Geo).then(|| "--frame=geo".to_string());
@@ -125,10 +124,9 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
         with_calibration,
         |mut document| {
             cli.magnitude.state(&mut document, |_| true)?;
-            let frame = correct::frame(&document, frame);
             correct::run(document, frame)
         },
-        |document| correct::summary(document, correct::frame(document, frame)),
+        |document| correct::summary(document, frame),
     )?;
     Ok(())
 }
@@ -141,7 +139,6 @@ fn with_calibration(file: &str) -> String {
 fn table(cli: &Cli, calibration: &Path, frame: Frame) -> anyhow::Result<()> {
     cli.io.apart([calibration].into_iter().chain(cli.map.as_deref()))?;
     let (text, document) = Input::document(Some(calibration), with_calibration)?;
-    let frame = correct::frame(&document, frame);
     let place = cli.magnitude.at.place.map(|at| [at.latitude_deg, at.longitude_deg, at.height_m]);
     let station = cli.station.station(place);
     if place.is_some() && station.is_none() {

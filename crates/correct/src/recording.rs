@@ -92,7 +92,7 @@ impl<'a> Corrector<'a> {
         length_and_step_s: Option<[f64; 2]>,
     ) -> Result<Corrected, Error> {
         if crate::variometer::is_by_baselines(self.document, recording) {
-            return crate::variometer::correct(self.document, recording, path);
+            return crate::variometer::correct(self.document, recording, path, length_and_step_s);
         }
         let at = |error: physics::Error| error.at(path);
         let Setting { basic, context } =

@@ -11,7 +11,7 @@ use tables::{BATCH_ROWS, Batch, Format, Reader, Writer};
 use crate::formats::{Station, Written};
 use crate::noise::{self, DAY_S};
 use crate::words::Tally;
-use crate::{Corrected, Corrector, Error, Frame};
+use crate::{Corrected, Corrector, Error, Frame, variometer};
 
 /// Rows that are written at once of a series that is corrected as a whole.
 const PIECE_ROWS: usize = 1 << 16;
@@ -58,8 +58,10 @@ enum Sheet {
 /// A table that cannot be read, with file and row; what [`crate::run`] refuses; a chain that has no inverse.
 pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     crate::check(request.calibration)?;
-    let corrector = Corrector::of(request.calibration, request.frame)?;
     let template = template(request)?;
+    let frame = variometer::frame(request.calibration, &template, request.frame);
+    let request = &Request { frame, ..*request };
+    let corrector = Corrector::of(request.calibration, frame)?;
     let Sheets { names, batches, name, format } = open(request)?;
     let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
     check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
@@ -164,7 +166,9 @@ impl Output<'_> {
 
     fn open(&self, recording: &Recording) -> Result<Sheet, Error> {
         if let Some(station) = self.request.station {
-            return Ok(Sheet::Observatory(Written::create(self.request.output, station, recording)?));
+            let is_adjusted = variometer::is_by_baselines(self.request.calibration, recording);
+            let written = Written::create(self.request.output, station, recording, is_adjusted)?;
+            return Ok(Sheet::Observatory(written));
         }
         let added = self.request.frame.columns();
         let mut header = self.kept();
@@ -321,6 +325,9 @@ fn check_columns(document: &Document, recording: &Recording, name: &str) -> Resu
             "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT; for other names write a mapping: ingest guess {name} > map.json, then correct --map map.json",
             found.join(", ")
         )));
+    }
+    if variometer::is_by_baselines(document, recording) {
+        return Ok(());
     }
     crate::check_sensitivities(document, recording, name)
 }

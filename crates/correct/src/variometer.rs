@@ -9,7 +9,7 @@ use physics::{Components, Unit};
 use crate::noise::{length_and_step_s, variance_nt2};
 use crate::{Corrected, Frame, flags};
 
-/// |vector| less the scalar magnetometer with the difference of the pillars.
+/// |vector| minus the scalar magnetometer, corrected for the difference of the pillars.
 pub const DELTA_F: &str = "delta_f_nt";
 
 /// The adopted baselines of a document, where it has some.
@@ -25,26 +25,39 @@ pub fn is_by_baselines(document: &Document, recording: &Recording) -> bool {
     adopted(document).is_some() && (recording.procedure == procedure::VARIOMETER || !of_sensors)
 }
 
-/// The frame of what is asked for: baselines give the field north, east and down.
-pub fn frame(document: &Document, asked: Frame) -> Frame {
-    let first = document.recordings.iter().find(|one| one.procedure == procedure::VARIOMETER);
-    let by_baselines = first.map_or_else(
-        || is_by_baselines(document, &Recording::default()),
-        |recording| is_by_baselines(document, recording),
-    );
-    if by_baselines { Frame::Geo } else { asked }
+/// The frame in which a recording is corrected: baselines give the field north, east and down.
+pub fn frame(document: &Document, recording: &Recording, asked: Frame) -> Frame {
+    if is_by_baselines(document, recording) { Frame::Geo } else { asked }
 }
 
-/// Corrects a recording: B of `physics::Components` with the baseline at the time of each row.
+/// Corrects a recording: B of `physics::Components` with the baseline at the time of each row. `length_and_step` is of
+/// the whole series where this is a piece of it, s.
 ///
-/// Errors: a recording without a start or times.
-pub fn correct(document: &Document, recording: &Recording, path: &str) -> Result<Corrected, Error> {
+/// Errors: a recording without a start or times, or in V; baselines of other components.
+pub fn correct(
+    document: &Document,
+    recording: &Recording,
+    path: &str,
+    length_and_step: Option<[f64; 2]>,
+) -> Result<Corrected, Error> {
     let Some((components, baselines)) = adopted(document) else { return Ok(Corrected::default()) };
     let Some((start, times)) = recording.start().zip(recording.column("time_s")) else {
         let expected =
             "start and time_s: a baseline changes with time; of a file --recording gives the start";
         return Err(Error::document(path, "no times", expected));
     };
+    let [Some(x), Some(y), Some(z)] = Axis::ALL.map(|axis| recording.axis_column("sensor", axis, "nt"))
+    else {
+        let expected = "sensor_x_nt, sensor_y_nt and sensor_z_nt, which baselines in nT are added to";
+        return Err(Error::document(format!("{path}.columns"), "no readings in nT", expected));
+    };
+    let keys = components.keys();
+    let columns = keys.map(|key| baselines.components.get(key));
+    if let Some(missing) = columns.iter().position(Option::is_none) {
+        let place = "calibration.absolute.adopted.components";
+        let expected = format!("{}, a baseline of a variometer along {}", keys[missing], components.name());
+        return Err(Error::document(place, "no such component", expected));
+    }
     let stated = recording.conditions.extra.get("components").and_then(|stated| stated.as_str());
     if let Some(other) = stated.filter(|stated| *stated != components.name()) {
         let expected = format!("\"{}\", for which the baselines were adopted", components.name());
@@ -55,14 +68,13 @@ pub fn correct(document: &Document, recording: &Recording, path: &str) -> Result
         ));
     }
     let origin = common::time::Start::parse(&baselines.start).map_or(0.0, |origin| origin.unix_s);
-    let readings = Axis::ALL.map(|axis| recording.axis_column("sensor", axis, "nt").unwrap_or_default());
     let units = Vector3::from(components.units());
-    let series = length_and_step_s(times);
+    let series = length_and_step.or_else(|| length_and_step_s(times));
     let noise = Axis::ALL.map(|axis| variance_nt2(document, axis, Unit::Nanotesla, 1.0, series));
     let noise = Matrix3::from_diagonal(&Vector3::from(noise));
     let mut left = Vec::new();
     let mut follows = Vec::new();
-    for (k, baseline) in baselines.components.values().enumerate() {
+    for (k, baseline) in columns.into_iter().flatten().enumerate() {
         for one in &baseline.follows {
             match recording.column(&one.column) {
                 Some(column) => follows.push((k, one, column)),
@@ -75,16 +87,17 @@ pub fn correct(document: &Document, recording: &Recording, path: &str) -> Result
     let common = if left.is_empty() { 0 } else { flags::EFFECT_LEFT };
     let mut corrected = Corrected { left, ..Corrected::default() };
     for (row, time) in times.iter().enumerate() {
-        let reading = Vector3::from(readings.map(|column| column.get(row).copied().unwrap_or(f64::NAN)));
-        let known = baselines.at(start.unix_s - origin + time);
+        let reading = Vector3::new(x[row], y[row], z[row]);
+        let [first, second, third] = keys.map(|key| baselines.at(key, start.unix_s - origin + time));
         let mut flag = common;
         let (mut field, mut std) = (Vector3::repeat(f64::NAN), Vector3::repeat(f64::NAN));
-        match known {
+        match first.zip(second).zip(third) {
             _ if reading.iter().any(|value| !value.is_finite()) => flag |= flags::MISSING,
             None => flag |= flags::NOT_INVERTIBLE,
-            Some(known) => {
-                let mut value = Vector3::from_fn(|k, _| known[k][0]);
-                let mut variance = Vector3::from_fn(|k, _| known[k][1].powi(2));
+            Some(((first, second), third)) => {
+                let known = [first, second, third];
+                let mut value = Vector3::from(known.map(|[value, _]| value));
+                let mut variance = Vector3::from(known.map(|[_, std]| std * std));
                 for (k, one, column) in &follows {
                     let off = column[row] - one.reference;
                     value[*k] += one.coefficient.value() * off;
@@ -92,7 +105,7 @@ pub fn correct(document: &Document, recording: &Recording, path: &str) -> Result
                 }
                 let (found, by) = components.field_nt(&reading, &value.component_mul(&units));
                 let own = variance.component_mul(&units.component_mul(&units));
-                // The frame hardly turns: the noise of its sensors is that along north and east.
+                // The rotation is small: noise of the sensors is taken as noise along north and east.
                 let covariance = by * Matrix3::from_diagonal(&own) * by.transpose() + noise;
                 if found.iter().all(|value| value.is_finite()) {
                     (field, std) = (found, covariance.diagonal().map(f64::sqrt));
@@ -129,7 +142,7 @@ pub fn words(recording: &Recording) -> Option<String> {
     let middle = median(&all);
     all.iter_mut().for_each(|value| *value -= middle);
     Some(format!(
-        "\"{}\": |vector| less the scalar magnetometer (delta_f_nt) is {} nT in the median, its rms about that {} nT",
+        "\"{}\": |vector| minus the scalar magnetometer (delta_f_nt): median {} nT, rms about the median {} nT",
         recording.id,
         significant(middle, 2),
         significant(rms(&all), 2)

@@ -72,28 +72,30 @@ impl Tally {
 
 /// What is told of a corrected document.
 pub fn summary(document: &Document, frame: Frame) -> String {
-    let names = frame.columns();
+    let names = |recording: &Recording| variometer::frame(document, recording, frame).columns();
     let mut tally = Tally::default();
     let corrected: Vec<&Recording> = document
         .recordings
         .iter()
-        .filter(|recording| names.iter().all(|name| recording.columns.contains_key(name)))
+        .filter(|recording| names(recording).iter().all(|name| recording.columns.contains_key(name)))
         .collect();
     for recording in &corrected {
+        let names = names(recording);
         let column = |k: usize| recording.column(&names[k]).unwrap_or_default();
         let flags: Vec<u32> = column(6).iter().map(|flags| *flags as u32).collect();
         tally.count(&flags, &[column(3), column(4), column(5)]);
     }
     let head = format!("correct: {}, ", counted(corrected.len(), "recording"));
-    let magnitudes = corrected.iter().filter_map(|recording| magnitude(recording, &names));
+    let magnitudes = corrected.iter().filter_map(|recording| magnitude(recording, &names(recording)));
     let deltas = corrected.iter().filter_map(|recording| variometer::words(recording));
     let notes = magnitudes.chain(deltas).chain(notes(document, frame, corrected.iter().copied())).collect();
+    let frame = corrected.first().map_or(frame, |recording| variometer::frame(document, recording, frame));
     text(&head, &tally, frame, notes)
 }
 
 /// The usual length of the corrected field beside the magnitude that is stated.
 fn magnitude(recording: &Recording, names: &[String]) -> Option<String> {
-    let stated = recording.conditions.quantity("magnitude_nt")?;
+    let stated = recording.conditions.quantity("magnitude_nt", "").ok()??;
     let [x, y, z] = [0, 1, 2].map(|k| recording.column(&names[k]).unwrap_or_default());
     let lengths = x.iter().zip(y).zip(z).map(|((x, y), z)| x.hypot(*y).hypot(*z));
     let mut lengths: Vec<f64> = lengths.filter(|length| length.is_finite()).collect();
@@ -111,6 +113,8 @@ fn magnitude(recording: &Recording, names: &[String]) -> Option<String> {
 /// What is told of a corrected table.
 pub fn table_summary(tally: &Tally, calibration: &Document, recording: Option<&str>, frame: Frame) -> String {
     let of = calibration.recordings.iter().filter(|one| Some(one.id.as_str()) == recording);
+    let none = Recording::default();
+    let frame = variometer::frame(calibration, of.clone().next().unwrap_or(&none), frame);
     text("correct: ", tally, frame, notes(calibration, frame, of))
 }
 

@@ -34,7 +34,7 @@ pub fn guess(file: &Path, quantity: &str) -> Result<Guess, Error> {
         let expected = format!("CSV, NDJSON or Parquet; {name} needs no mapping: ingest FILE");
         return Err(source.fault(tables::Place::Whole, name, expected));
     }
-    if let Ok(Some(_)) | Err(_) = sheets::read(&source) {
+    if sheets::read(&source)?.is_some() {
         let expected = "CSV, NDJSON or Parquet; absolute measurements need no mapping: ingest FILE";
         return Err(source.fault(tables::Place::Whole, "absolute measurements", expected));
     }

@@ -45,6 +45,7 @@ mod words;
 pub use common::Error;
 pub use guess::{Guess, guess};
 pub use mapping::{ColumnMapping, Mapping, SourceColumn, TimeMapping};
+pub use nasa::{LAST_LEAP, tt2000};
 pub use program::beside::{INLINE_ROWS, Table};
 pub use recording::Ingested;
 

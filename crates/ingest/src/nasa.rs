@@ -14,6 +14,7 @@ use thiserror::Error;
 
 use bytes::{Bytes, inflate};
 
+pub use times::{LAST_LEAP, tt2000};
 pub use values::{ValueType, Values};
 pub use variable::Variable;
 

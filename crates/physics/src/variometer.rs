@@ -68,6 +68,19 @@ impl Components {
         }
     }
 
+    /// What the variometer reads in a field: the inverse of [`Components::field_nt`].
+    pub fn reading_nt(self, field_nt: &Vector3<f64>, baseline: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Xyz => field_nt - baseline,
+            Self::Hez => {
+                let (sin, cos) = baseline.y.sin_cos();
+                let along = cos * field_nt.x + sin * field_nt.y;
+                let across = cos * field_nt.y - sin * field_nt.x;
+                Vector3::new(along - baseline.x, across, field_nt.z - baseline.z)
+            }
+        }
+    }
+
     /// The baseline values of readings that were taken in a known field.
     pub fn baseline(self, reading_nt: &Vector3<f64>, field_nt: &Vector3<f64>) -> Vector3<f64> {
         match self {
@@ -94,6 +107,8 @@ mod tests {
             let baseline = components.baseline(&reading, &field);
             let (found, by) = components.field_nt(&reading, &baseline);
             assert!((found - field).norm() < 1e-8, "{components:?} {found}");
+            let read = components.reading_nt(&field, &baseline);
+            assert!((read - reading).norm() < 1e-8, "{components:?} {read}");
             for k in 0..3 {
                 let at = |step: f64| components.field_nt(&reading, &(baseline + Vector3::ith(k, step))).0;
                 let slope = (at(1e-4) - at(-1e-4)) / 2e-4;

@@ -1,4 +1,4 @@
-//! Where text goes: standard output, or a file that is there whole or not at all.
+//! Where text and bytes go: standard output, or a file that is there whole or not at all.
 
 use common::Error;
 use std::fs;
@@ -21,7 +21,7 @@ pub fn write(output: Option<&Path>, text: &str) -> Result<(), Error> {
     sink.finish()
 }
 
-/// Where text goes, piece by piece: standard output, a file that appears whole when all is written, or a
+/// Where text and bytes go, piece by piece: standard output, a file that appears whole when all is written, or a
 /// device.
 pub struct Sink {
     /// As it is named in errors.
@@ -48,13 +48,14 @@ impl Sink {
 
     /// Writes a piece. False: the reader of standard output has gone, which is no error, and no more is
     /// wanted.
-    pub fn write(&mut self, text: &str) -> Result<bool, Error> {
+    pub fn write(&mut self, piece: impl AsRef<[u8]>) -> Result<bool, Error> {
+        let bytes = piece.as_ref();
         let result = match &mut self.target {
             Target::Stdout => {
                 let mut stdout = io::stdout().lock();
-                stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
+                stdout.write_all(bytes).and_then(|()| stdout.flush())
             }
-            Target::File(file, _) => file.write_all(text.as_bytes()),
+            Target::File(file, _) => file.write_all(bytes),
         };
         match (&self.target, result) {
             (_, Ok(())) => Ok(true),

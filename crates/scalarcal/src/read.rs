@@ -194,14 +194,16 @@ fn magnitude(
         let length = |row: usize| x[row].hypot(y[row]).hypot(z[row]);
         return Ok(Some((Source::Ambient, (0..recording.rows()).map(length).collect())));
     }
-    if let Some(stated) = recording.conditions.extra.get(MAGNITUDE) {
-        let quantity = serde_json::from_value::<Quantity>(stated.clone());
-        let value = quantity.ok().map(|quantity| quantity.value()).filter(|value| *value > 0.0);
-        let Some(value) = value else {
-            let path = format!("recordings[{index}].conditions.{MAGNITUDE}");
-            let expected = "a positive number, or {\"value\": number, \"std\": number}";
-            return Err(Error::document(path, stated.to_string(), expected));
-        };
+    let path = format!("recordings[{index}]");
+    if let Some(stated) = recording.conditions.quantity(MAGNITUDE, &path)? {
+        let value = stated.value();
+        if value.is_nan() || value <= 0.0 {
+            return Err(Error::document(
+                format!("{path}.conditions.{MAGNITUDE}"),
+                quoted(value),
+                "a positive number",
+            ));
+        }
         return Ok(Some((Source::Stated, vec![value; recording.rows()])));
     }
     Ok(options.constant_magnitude.then(|| (Source::Constant, vec![1.0; recording.rows()])))

@@ -145,7 +145,8 @@ const ALIKE: f64 = 0.05;
 fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
         let conditions = &document.recordings[one.index].conditions;
-        let stated = conditions.quantity(crate::read::MAGNITUDE).filter(|_| one.source == Source::Stated)?;
+        let stated =
+            conditions.quantity(crate::read::MAGNITUDE, "").ok()?.filter(|_| one.source == Source::Stated)?;
         Some((stated.value(), stated.relative_std()?, conditions.extra.contains_key("field_model")))
     };
     let stated: Vec<Option<(f64, f64, bool)>> = series.iter().map(of).collect();

@@ -3,6 +3,7 @@
 mod field;
 mod sheet;
 
+use common::number::bare;
 use common::time::Start;
 use common::{Column, Conditions, Document, Error, Quantity, Recording, Versioned, parse, procedure};
 use noise::Stream;
@@ -10,6 +11,7 @@ use physics::Components;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
+use crate::bench::{MOST_ROWS, deviation};
 use field::Field;
 
 /// What an observatory does in a number of weeks. All of it has defaults.
@@ -203,6 +205,38 @@ impl ObservatoryPlan {
         if !(1.0..=60.0).contains(&plan.variometer_step_s) {
             return wrong("variometer_step_s", plan.variometer_step_s.to_string(), "1 to 60 s");
         }
+        let rows = (plan.weeks as f64) * plan.rows_a_week();
+        if rows > MOST_ROWS {
+            let found = format!("{} rows of the variometer", bare(rows));
+            return wrong("variometer_step_s", found, &format!("at most {}", bare(MOST_ROWS)));
+        }
+        let Self { theodolite: of, baseline, .. } = &plan;
+        for (key, value) in [
+            ("circle_arcsec", of.circle_arcsec),
+            ("levelling_arcsec", of.levelling_arcsec),
+            ("collimation_arcsec", of.collimation_arcsec),
+            ("offset_nt", of.offset_nt),
+            ("offset_changes_nt", of.offset_changes_nt),
+            ("residual_nt", of.residual_nt),
+            ("time_s", of.time_s),
+            ("scalar_nt", of.scalar_nt),
+            ("magnetic_nt", of.magnetic_nt),
+        ] {
+            deviation("theodolite", key, value)?;
+        }
+        for (key, value) in [
+            ("drift_nt_per_year", baseline.drift_nt_per_year),
+            ("walk_nt", baseline.walk_nt),
+            ("annual_nt", baseline.annual_nt),
+            ("step_nt", baseline.step_nt),
+        ] {
+            deviation("baseline", key, value)?;
+        }
+        for (key, share) in [("magnetic_share", of.magnetic_share), ("misread_share", of.misread_share)] {
+            if !(0.0..=1.0).contains(&share) {
+                return wrong(&format!("theodolite.{key}"), share.to_string(), "a share from 0 to 1");
+            }
+        }
         let horizontal = plan.main_field_nt[0].hypot(plan.main_field_nt[1]);
         if !(100.0..=1e5).contains(&horizontal)
             || plan.main_field_nt[0] <= 0.0
@@ -215,6 +249,11 @@ impl ObservatoryPlan {
             );
         }
         Ok(plan)
+    }
+
+    /// Rows of the variometer: on the day of measurements alone, or on every day.
+    fn rows_a_week(&self) -> f64 {
+        self.variometer_hours.map_or(7.0 * DAY_S, |hours| 7200.0 * hours.min(12.0)) / self.variometer_step_s
     }
 }
 

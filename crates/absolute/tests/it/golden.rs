@@ -1,14 +1,14 @@
 //! Golden documents, a line a case (BLESS=1 writes them anew; read the difference before it is kept), faults
 //! with their messages, and the program's help.
 
-use absolute::{Options, run};
+use absolute::run;
 use common::{AbsoluteCalibration, Document, to_text};
 
 const ABSOLUTE: &str = env!("CARGO_BIN_EXE_absolute");
 
 fn done(name: &str, text: &str) -> Document {
     let document = Document::parse(text).unwrap_or_else(|error| panic!("{name}: {error}"));
-    run(document, &Options::default()).unwrap_or_else(|error| panic!("{name}: {error}"))
+    run(document).unwrap_or_else(|error| panic!("{name}: {error}"))
 }
 
 fn case(name: &str) -> AbsoluteCalibration {
@@ -36,11 +36,11 @@ fn a_misread_circle_is_named_by_row_and_position() {
 #[test]
 fn a_step_is_where_it_is() {
     let adopted = case("step").adopted.expect("baselines");
-    // Day 42 is between the measurements of the sixth week and of the seventh.
-    let steps: Vec<_> = adopted.components.values().flat_map(|one| &one.steps).collect();
-    assert!(!steps.is_empty());
-    for step in steps {
-        assert_eq!((step.after.as_str(), step.before.as_str()), ("week-006-1", "week-007-1"));
+    // Day 42 is between the measurements of the sixth week and of the seventh. That of D is found because the others
+    // step there.
+    for (key, component) in &adopted.components {
+        let steps = component.steps.iter().map(|step| (step.after.as_str(), step.before.as_str()));
+        assert_eq!(steps.collect::<Vec<_>>(), [("week-006-1", "week-007-1")], "{key}");
     }
 }
 

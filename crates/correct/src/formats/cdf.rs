@@ -1,7 +1,7 @@
 //! NASA's Common Data Format, version 3 (CDF Internal Format Description, NASA GSFC, version 3.9): one file, not
 //! compressed, numbers with the most significant byte first; attributes of the file, and variables of one value a record.
 
-use super::tt2000;
+use ingest::LAST_LEAP;
 
 /// Bytes of the marks at the beginning, and of the descriptors of the file and of its contents.
 const MARKS: usize = 8;
@@ -11,22 +11,16 @@ const NAME: usize = 256;
 /// What stands for no offset, no number.
 const NONE: u32 = u32::MAX;
 
-/// What an attribute says.
+/// What an attribute says, or the records of a variable.
 pub enum Value {
     Text(String),
-    Double(f64),
-    Tt2000(i64),
-}
-
-/// Records of a variable.
-pub enum Records {
     Doubles(Vec<f64>),
     Tt2000(Vec<i64>),
 }
 
 pub struct Variable {
     pub name: String,
-    pub records: Records,
+    pub records: Value,
     pub attributes: Vec<(&'static str, Value)>,
 }
 
@@ -42,8 +36,10 @@ impl Value {
     fn stored(&self) -> (u32, usize, Vec<u8>) {
         match self {
             Value::Text(text) => (51, text.len(), text.as_bytes().to_vec()),
-            Value::Double(value) => (45, 1, value.to_be_bytes().to_vec()),
-            Value::Tt2000(value) => (33, 1, value.to_be_bytes().to_vec()),
+            Value::Doubles(all) => {
+                (45, all.len(), all.iter().flat_map(|value| value.to_be_bytes()).collect())
+            }
+            Value::Tt2000(all) => (33, all.len(), all.iter().flat_map(|value| value.to_be_bytes()).collect()),
         }
     }
 }
@@ -115,7 +111,7 @@ impl Cdf {
         let gdr = Body::at(&[0, variables, attributes, file.len()])
             .numbers([0, all.len() as u32, NONE, 0, self.variables.len() as u32])
             .offsets(&[0])
-            .numbers([0, tt2000::LAST_LEAP, NONE]);
+            .numbers([0, LAST_LEAP, NONE]);
         record(&mut head, 2, &gdr.0);
         file[..head.len()].copy_from_slice(&head);
         file
@@ -125,11 +121,8 @@ impl Cdf {
 impl Variable {
     /// Values (VVR), their index (VXR), and the descriptor (zVDR) with the place of the next one; its place.
     fn write(&self, file: &mut Vec<u8>, number: usize, next: usize) -> usize {
-        let (kind, values): (u32, Vec<u8>) = match &self.records {
-            Records::Doubles(values) => (45, values.iter().flat_map(|value| value.to_be_bytes()).collect()),
-            Records::Tt2000(values) => (33, values.iter().flat_map(|value| value.to_be_bytes()).collect()),
-        };
-        let last = (values.len() / 8) as u32 - 1;
+        let (kind, count, values) = self.records.stored();
+        let last = count as u32 - 1;
         let values = record(file, 7, &values);
         let index = record(file, 6, &Body::at(&[0]).numbers([1, 1, 0, last]).offsets(&[values]).0);
         let descriptor = Body::at(&[next])

@@ -5,8 +5,7 @@ use std::io::Write;
 
 use super::{About, Format, Row, Rules, calendar};
 
-pub const RULES: Rules =
-    Rules { name: "IAGA-2002", letters: 4, resolution_ns: 1_000_000, stamps_beginnings: false };
+pub const RULES: Rules = Rules { name: "IAGA-2002", letters: 4, resolution_ns: 1_000_000 };
 /// A value that is missing.
 const MISSING: f64 = 99_999.0;
 /// A component that is not observed.
@@ -37,7 +36,7 @@ impl Format for Iaga {
 }
 
 fn header(about: &About) -> String {
-    let About { code, place, step_s } = about;
+    let About { code, place, step_s, is_adjusted } = about;
     let interval = match step_s {
         Some(60.0) => "1-minute".to_string(),
         Some(1.0) => "1-second".to_string(),
@@ -59,7 +58,7 @@ fn header(about: &About) -> String {
         ("Sensor Orientation", "XYZ".into()),
         ("Digital Sampling", step_s.map_or(String::new(), |step_s| format!("{step_s} seconds"))),
         ("Data Interval Type", interval),
-        ("Data Type", "variation".into()),
+        ("Data Type", if *is_adjusted { "adjusted" } else { "variation" }.into()),
     ];
     let labelled = labels.map(|(label, value)| format!(" {label:<width$}{value}", width = LABEL - 1));
     let comment = " # X, Y, Z corrected with their calibration by fluxcal".to_string();

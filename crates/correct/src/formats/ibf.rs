@@ -1,4 +1,4 @@
-//! IBFV2.00, INTERMAGNET's file of a year's baselines (Technical Reference Manual, appendix on data formats;
+//! IBFV2.00, INTERMAGNET's yearly baseline file (Technical Reference Manual, appendix on data formats;
 //! <https://tech-man.intermagnet.org/stable/appendices/dataformats.html>): those observed, those adopted for each day,
 //! comments. Lines of a fixed length that end with CrLf.
 
@@ -10,7 +10,7 @@ use super::station_code;
 /// What is missing, and what is never observed: a component, nT; Delta F.
 const CODES: [[f64; 2]; 2] = [[99_999.0, 88_888.0], [999.0, 888.0]];
 /// Components as the header names them.
-const COMPONENTS: [&str; 4] = ["XYZF", "HDZF", "DIF ", "UVZF"];
+const COMPONENTS: [&str; 4] = ["XYZF", "HDZF", "DIF", "UVZF"];
 /// Characters of a line of comments at most.
 const COMMENT: usize = 53;
 
@@ -28,7 +28,7 @@ pub(crate) struct Baselines<'a> {
     pub observed: Vec<(u16, [f64; 4])>,
     /// For each day of the year.
     pub adopted: Vec<Adopted>,
-    /// How the baselines were adopted, and whatever else there is to say.
+    /// How the baselines were adopted, and other remarks.
     pub comments: Vec<String>,
 }
 
@@ -52,10 +52,14 @@ pub(crate) struct Adopted {
 pub(crate) fn text(baselines: &Baselines<'_>) -> Result<String, Error> {
     let Baselines { year, components, adopted, .. } = baselines;
     let station = station_code(baselines.station, 3)?;
-    let components = COMPONENTS.iter().find(|known| known.trim() == components.trim());
-    let components = components.ok_or_else(|| refused("other components", "XYZF, HDZF, DIF or UVZF"))?;
+    let known = COMPONENTS.iter().find(|known| *known == components);
+    let components =
+        known.ok_or_else(|| refused(&format!("the components {components}"), "XYZF, HDZF, DIF or UVZF"))?;
+    // "DIF" has three letters in a field of four.
+    let components = format!("{components:<4}");
     let first = Date::new(*year, 1, 1).ok().filter(|first| first.year() > 999);
-    let days = first.ok_or_else(|| refused("another year", "one of four digits"))?.days_in_year();
+    let days =
+        first.ok_or_else(|| refused(&format!("the year {year}"), "one of four digits"))?.days_in_year();
     let mut observed = baselines.observed.clone();
     observed.sort_by_key(|(day, _)| *day);
     if let Some((day, _)) = observed.iter().find(|(day, _)| !(1..=days as u16).contains(day)) {
@@ -67,7 +71,10 @@ pub(crate) fn text(baselines: &Baselines<'_>) -> Result<String, Error> {
     }
     let said: Vec<String> = baselines.comments.iter().flat_map(|comment| wrapped(comment)).collect();
     if said.is_empty() || !said.iter().all(|line| line.is_ascii()) {
-        return Err(refused("no comment in ASCII", "how the baselines were adopted, which IBF demands"));
+        return Err(refused(
+            "no comment, or one that is not ASCII",
+            "a comment in ASCII on how the baselines were adopted, required by IBF",
+        ));
     }
     let all = || observed.iter().map(|day| day.1).chain(adopted.iter().map(|day| day.baselines));
     let is_there = [0, 1, 2, 3].map(|column| all().any(|values| values[column].is_finite()));
@@ -126,7 +133,7 @@ mod tests {
 
     const NONE: f64 = f64::NAN;
 
-    /// Days of Dourbes' file of 2020, and baselines that go on.
+    /// Three lines of Dourbes' file of 2020 (INTERMAGNET, dou2020.blv), the first as the adopted baseline of all days.
     fn dourbes() -> Baselines<'static> {
         let first = [112.08 / 60.0, 3933.77 / 60.0, 48_779.32, NONE];
         let day = |is_step| Adopted { baselines: first, delta_f_nt: NONE, is_step };
@@ -142,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_are_those_of_a_published_file() {
+    fn lines_have_the_layout_of_a_published_file() {
         let text = text(&dourbes()).expect("a file");
         let lines: Vec<&str> = text.split_terminator("\r\n").collect();
         assert!(
@@ -186,7 +193,7 @@ mod tests {
         assert!(refusal(|year| year.observed[0].0 = 367).contains("1 to 366"));
         assert!(refusal(|year| year.adopted[7].baselines[2] = 99_999.0).contains("less than 88888"));
         assert!(refusal(|year| year.adopted[7].delta_f_nt = 900.0).contains("less than 888"));
-        assert!(refusal(|year| year.comments.clear()).contains("how the baselines were adopted"));
+        assert!(refusal(|year| year.comments.clear()).contains("on how the baselines were adopted"));
     }
 
     #[test]

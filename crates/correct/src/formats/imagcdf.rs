@@ -1,11 +1,13 @@
 //! ImagCDF 1.2, INTERMAGNET's exchange format in NASA's CDF (Technical Reference Manual, appendix on data formats;
 //! <https://tech-man.intermagnet.org/stable/appendices/dataformats.html>): X, Y, Z, and S as the scalar magnetometer
-//! read it, at even times that all share.
+//! read it, at evenly spaced times that all share.
 
-use super::cdf::{Cdf, Records, Value, Variable};
-use super::{About, Format, LARGEST_NT, Row, Rules, tt2000};
+use ingest::tt2000;
 
-pub const RULES: Rules = Rules { name: "ImagCDF", letters: 4, resolution_ns: 1, stamps_beginnings: true };
+use super::cdf::{Cdf, Value, Variable};
+use super::{About, Format, LARGEST_NT, Row, Rules};
+
+pub const RULES: Rules = Rules { name: "ImagCDF", letters: 4, resolution_ns: 1 };
 /// A value that is missing, an elevation that is not known.
 const MISSING: f64 = 99_999.0;
 /// The variable of the times.
@@ -30,7 +32,7 @@ impl ImagCdf {
     }
 
     fn push(&mut self, ns: i64, values: [f64; 4]) -> Result<(), String> {
-        self.times.push(tt2000::of_utc(ns).ok_or("a time since 1972, which ImagCDF can hold")?);
+        self.times.push(tt2000(ns).ok_or("a time since 1972, which ImagCDF can hold")?);
         let stored = values.map(|value| if value.is_finite() { value } else { MISSING });
         self.columns.iter_mut().zip(stored).for_each(|(column, value)| column.push(value));
         Ok(())
@@ -41,10 +43,10 @@ impl ImagCdf {
         let columns = letters.chars().zip(std::mem::take(&mut self.columns));
         let field = |(letter, values): (char, Vec<f64>)| Variable {
             name: format!("GeomagneticField{letter}"),
-            records: Records::Doubles(values),
+            records: Value::Doubles(values),
             attributes: of_variable(letter),
         };
-        let times = Records::Tt2000(std::mem::take(&mut self.times));
+        let times = Value::Tt2000(std::mem::take(&mut self.times));
         let times = Variable { name: TIMES.into(), records: times, attributes: Vec::new() };
         let variables = columns.map(field).chain([times]).collect();
         Cdf { attributes: self.of_file(letters), variables }
@@ -53,15 +55,16 @@ impl ImagCdf {
     /// The attributes that the format demands. There is no clock in what is written, so no date of publication.
     fn of_file(&self, letters: &str) -> Vec<(&'static str, Value)> {
         let text = |text: &str| Value::Text(text.into());
-        let [latitude, longitude, elevation] = self.about.place.unwrap_or([MISSING; 3]).map(Value::Double);
+        let [latitude, longitude, elevation] =
+            self.about.place.unwrap_or([MISSING; 3]).map(|one| Value::Doubles(vec![one]));
         vec![
             ("FormatDescription", text("INTERMAGNET CDF Format")),
             ("FormatVersion", text("1.2")),
             ("Title", text("Geomagnetic time series data")),
             ("IagaCode", text(&self.about.code)),
             ("ElementsRecorded", text(letters)),
-            ("PublicationLevel", text("1")),
-            ("PublicationDate", Value::Tt2000(tt2000::NONE)),
+            ("PublicationLevel", text(if self.about.is_adjusted { "2" } else { "1" })),
+            ("PublicationDate", Value::Tt2000(vec![i64::MIN])),
             ("ObservatoryName", text(&self.about.code)),
             ("Latitude", latitude),
             ("Longitude", longitude),
@@ -78,9 +81,9 @@ fn of_variable(letter: char) -> Vec<(&'static str, Value)> {
     vec![
         ("FIELDNAM", Value::Text(format!("Geomagnetic Field Element {letter}"))),
         ("UNITS", text("nT")),
-        ("FILLVAL", Value::Double(MISSING)),
-        ("VALIDMIN", Value::Double(if letter == 'S' { 0.0 } else { -LARGEST_NT })),
-        ("VALIDMAX", Value::Double(LARGEST_NT)),
+        ("FILLVAL", Value::Doubles(vec![MISSING])),
+        ("VALIDMIN", Value::Doubles(vec![if letter == 'S' { 0.0 } else { -LARGEST_NT }])),
+        ("VALIDMAX", Value::Doubles(vec![LARGEST_NT])),
         ("DEPEND_0", text(TIMES)),
         ("DISPLAY_TYPE", text("time_series")),
         ("LABLAXIS", Value::Text(letter.into())),
@@ -95,10 +98,15 @@ impl Format for ImagCdf {
             let steps = since_ns / step_ns;
             let count = steps.round();
             if count < 1.0 || (steps - count).abs() > OFF[1].min(OFF[0] * count) {
-                return Err("even times but for gaps, which ImagCDF has; series resample makes them".into());
+                return Err(
+                    "evenly spaced times, apart from gaps, as ImagCDF has them; series resample makes them"
+                        .into(),
+                );
             }
             if self.times.len() as f64 + count > MOST {
-                return Err(format!("at most {MOST} even times, gaps included; series cut makes pieces"));
+                return Err(format!(
+                    "at most {MOST} evenly spaced times, gaps included; series cut makes pieces"
+                ));
             }
             for gap in 1..count as i64 {
                 self.push(self.last_ns + (gap as f64 * step_ns).round() as i64, [f64::NAN; 4])?;
@@ -122,7 +130,7 @@ mod tests {
 
     #[test]
     fn variables_and_attributes_are_those_that_the_manual_demands() {
-        let about = About { code: "FLX".into(), place: None, step_s: Some(60.0) };
+        let about = About { code: "FLX".into(), place: None, step_s: Some(60.0), is_adjusted: false };
         let mut format = ImagCdf::begin(about);
         for (minute, z) in [(0, 3.0), (1, f64::NAN), (4, 4.0)] {
             let ns = (28_500_480 + minute) * 60 * SECOND_NS;
@@ -133,7 +141,7 @@ mod tests {
         let names: Vec<&str> = cdf.variables.iter().map(|variable| variable.name.as_str()).collect();
         let fields = ["X", "Y", "Z", "S"].map(|letter| format!("GeomagneticField{letter}"));
         assert_eq!(names, [fields.each_ref().map(String::as_str).as_slice(), &["DataTimes"]].concat());
-        let Records::Doubles(z) = &cdf.variables[2].records else { panic!("numbers") };
+        let Value::Doubles(z) = &cdf.variables[2].records else { panic!("numbers") };
         assert_eq!(z[..], [3.0, MISSING, MISSING, MISSING, 4.0]);
         let demanded = "FormatDescription FormatVersion Title IagaCode ElementsRecorded PublicationLevel PublicationDate ObservatoryName Latitude Longitude Elevation Institution StandardLevel Source";
         let own = "FIELDNAM UNITS FILLVAL VALIDMIN VALIDMAX DEPEND_0 DISPLAY_TYPE LABLAXIS";

@@ -1,4 +1,4 @@
-//! IMFV1.22, minute values as INTERMAGNET's nodes hand them on (Technical Reference Manual, appendix on data formats;
+//! IMFV1.22, minute values as INTERMAGNET's nodes (GINs) distribute them (Technical Reference Manual, appendix on data formats;
 //! <https://tech-man.intermagnet.org/stable/appendices/dataformats.html>): days of 24 blocks, each a header and 30
 //! lines of two minutes, all of 62 characters and CrLf.
 
@@ -7,7 +7,7 @@ use std::io::Write;
 
 use super::{About, Format, Row, Rules, SECOND_NS, calendar};
 
-pub const RULES: Rules = Rules { name: "IMF", letters: 3, resolution_ns: 1_000_000, stamps_beginnings: true };
+pub const RULES: Rules = Rules { name: "IMF", letters: 3, resolution_ns: 1_000_000 };
 const MINUTE_NS: i64 = 60 * SECOND_NS;
 const DAY_NS: i64 = 1440 * MINUTE_NS;
 /// Tenths of nT.
@@ -18,6 +18,8 @@ pub struct Imf {
     code: String,
     /// Colatitude and longitude, tenths of a degree in four digits each; nines where they are not known.
     place: String,
+    /// Adjusted by baselines, or as reported.
+    data_type: char,
     /// The day since 1970 of which minutes are at hand.
     day: Option<i64>,
     minutes: Vec<[i64; 4]>,
@@ -32,19 +34,20 @@ impl Imf {
         let place = about.place.map_or("9".repeat(8), |[north, east, _]| {
             format!("{:04}{:04}", tenths(90.0 - north), tenths(east) % 3600)
         });
-        Ok(Self { code: about.code, place, day: None, minutes: Vec::new() })
+        let data_type = if about.is_adjusted { 'A' } else { 'R' };
+        Ok(Self { code: about.code, place, data_type, day: None, minutes: Vec::new() })
     }
 
     /// The day that is at hand, in full.
     fn day(&self, bytes: &mut Vec<u8>) {
         let Some(day) = self.day else { return };
         let date = calendar(day * DAY_NS).strftime("%b%d%y %j").to_string().to_ascii_uppercase();
-        let Self { code, place, .. } = self;
+        let Self { code, place, data_type, .. } = self;
         for (hour, minutes) in self.minutes.chunks_exact(60).enumerate() {
-            // Data as reported; XXX for a node that is not known; no base line of D; 16 letters in reserve. Writing to
-            // a Vec cannot fail.
+            // "XXX" is an unknown node, and D has no base line; 16 characters are reserved. Writing to a Vec cannot fail.
             let reserve = "R".repeat(16);
-            let _ = write!(bytes, "{code} {date} {hour:02} XYZF R XXX {place} 000000 {reserve}\r\n");
+            let _ =
+                write!(bytes, "{code} {date} {hour:02} XYZF {data_type} XXX {place} 000000 {reserve}\r\n");
             for two in minutes.chunks_exact(2) {
                 let [one, other] = [two[0], two[1]].map(|[x, y, z, f]| format!("{x:7} {y:7} {z:7} {f:6}"));
                 let _ = write!(bytes, "{one}  {other}\r\n");
@@ -77,7 +80,7 @@ impl Format for Imf {
 
 /// What rows are expected, and what makes them.
 fn expected() -> String {
-    "a row each 60 s, on the minute; take means first: series average --window 60".into()
+    "a row each 60 s, centred on the minute; `series resample --step 60` makes them".into()
 }
 
 #[cfg(test)]
@@ -92,7 +95,7 @@ mod tests {
 
     fn written(place: Option<[f64; 3]>, rows: &[Row]) -> String {
         let mut bytes = Vec::new();
-        let about = About { code: "FLX".into(), place, step_s: Some(60.0) };
+        let about = About { code: "FLX".into(), place, step_s: Some(60.0), is_adjusted: false };
         let mut format = Imf::begin(about).expect("begun");
         rows.iter().for_each(|row| format.row(row, &mut bytes).expect("a row"));
         format.end(&mut bytes);

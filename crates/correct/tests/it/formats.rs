@@ -57,10 +57,9 @@ fn ingest_reads_what_was_written() {
     }
 }
 
-/// Gaps become missing values at even times, over the leap second at the end of 2016; means have the stamp of the
-/// beginning of their windows.
+/// Gaps become missing values at evenly spaced times, over the leap second at the end of 2016.
 #[test]
-fn times_of_imagcdf_are_even() {
+fn times_of_imagcdf_are_evenly_spaced() {
     let folder = tempfile::tempdir().expect("a folder");
     let table = "time_s,samples,sensor_x_nt,sensor_y_nt,sensor_z_nt\n0.5,1,1,2,3\n1.5,1,1,2,3\n2.5,1,1,2,3\n6.5,1,1,2,3\n";
     fs::write(folder.path().join("means.csv"), table).expect("written");
@@ -68,7 +67,7 @@ fn times_of_imagcdf_are_even() {
         correct(folder.path(), "means.csv", "--imagcdf FLX --start 2016-12-31T23:59:58Z -o field.cdf");
     assert_eq!(code, 0, "{said}");
     let found = read(&folder.path().join("field.cdf"));
-    assert_eq!(found.start.as_deref(), Some("2016-12-31T23:59:58Z"));
+    assert_eq!(found.start.as_deref(), Some("2016-12-31T23:59:58.5Z"));
     assert_eq!(found.column("time_s").expect("times"), [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     let there = found.column("sensor_x_nt").expect("X").iter().map(|value| value.is_finite());
     assert_eq!(there.collect::<Vec<_>>(), [true, true, true, false, false, false, true]);
@@ -87,12 +86,20 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
     file("twice.csv", "0,1,2,3\n0,1,2,3\n");
     file("large.csv", "0,90000,2,3\n");
     file("none.csv", "");
-    let remedy = "series average --window 60";
+    let remedy = "series resample --step 60";
     for (readings, asked, due) in [
-        ("half.csv", "--imf FLX", "row 1: found time_s = 30; expected a row each 60 s, on the minute"),
+        (
+            "half.csv",
+            "--imf FLX",
+            "row 1: found time_s = 30; expected a row each 60 s, centred on the minute",
+        ),
         ("seconds.csv", "--imf FLX", remedy),
         ("seconds.csv", "--imf FLXX", "expected three letters or digits"),
-        ("uneven.csv", "--imagcdf FLX", "row 4: found time_s = 3.4; expected even times but for gaps"),
+        (
+            "uneven.csv",
+            "--imagcdf FLX",
+            "row 4: found time_s = 3.4; expected evenly spaced times, apart from gaps",
+        ),
         ("seconds.csv", "--imagcdf FLX --start 1971-12-31T23:59:59Z", "expected a time since 1972"),
         ("twice.csv", "--imagcdf FLX", "row 2: found time_s = 0; expected times that increase"),
         ("large.csv", "--iaga FLX", "expected a field within ±88880 nT"),

@@ -1,6 +1,5 @@
 //! Definitive data of an observatory: variometers of different axes, the same field.
 
-use absolute::Options;
 use common::Document;
 use correct::{Frame, ibf, run};
 use simulate::{BaselinePlan, ObservatoryPlan, TheodolitePlan, observatory};
@@ -26,7 +25,7 @@ fn corrected(components: &str) -> Document {
         ..ObservatoryPlan::default()
     };
     let document = observatory(&plan).expect("a plan").document;
-    let document = absolute::run(document, &Options::default()).expect("baselines");
+    let document = absolute::run(document).expect("baselines");
     run(document, Frame::Geo).expect("a field")
 }
 
@@ -37,6 +36,7 @@ fn axes_of_a_variometer_do_not_matter() {
     for axis in ["x", "y", "z"] {
         let of =
             |one: &common::Recording| one.column(&format!("field_geo_{axis}_nt")).expect("a field").to_vec();
+        assert!(of(first).iter().chain(&of(second)).all(|value| value.is_finite()));
         let worst = of(first).iter().zip(of(second)).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // 1″ is 0.1 nT across the field and 0.24 nT along it, and less by eight readings of sixteen measurements.
         assert!(worst < 0.1, "{axis}: {worst} nT");
@@ -48,8 +48,25 @@ fn axes_of_a_variometer_do_not_matter() {
 }
 
 #[test]
-fn a_file_of_a_year_has_every_day() {
-    let text = ibf(&corrected("xyz"), "FLX").expect("a file");
+fn ingest_reads_the_yearly_baseline_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("flx2025.blv");
+    let document = corrected("hez");
+    let first =
+        &document.calibration.as_ref().expect("a calibration").absolute.as_ref().expect("sets").sets[0];
+    std::fs::write(&path, ibf(document.clone(), "FLX").expect("a file")).expect("written");
+    let read = ingest::run(Document::default(), &[path], &ingest::Options::default()).expect("read").document;
+    // The first two measurements are on the eighth day; their mean is read.
+    for (key, digit) in [("h_nt", 0.01), ("d_deg", 0.01 / 60.0), ("z_nt", 0.01)] {
+        let found = read.recordings[0].column(&format!("observed_baseline_{key}")).expect(key)[7];
+        let (value, std) = (first.baseline[key].value(), first.baseline[key].std().expect("a std"));
+        assert!((found - value).abs() < digit + 3.0 * std, "{key}: {found} {value}");
+    }
+}
+
+#[test]
+fn a_yearly_baseline_file_has_every_day() {
+    let text = ibf(corrected("xyz"), "FLX").expect("a file");
     let lines: Vec<&str> = text.split("\r\n").collect();
     assert!(lines[0].starts_with("XYZF") && lines[0].ends_with("FLX 2025"), "{}", lines[0]);
     let star = lines.iter().position(|line| *line == "*").expect("observed baselines");

@@ -37,6 +37,16 @@ pub fn of_tt2000(tt2000: i64) -> Option<i64> {
     Some(if utc < from * SECOND && ahead > 10 { utc + SECOND } else { utc })
 }
 
+/// TT2000 of nanoseconds since 1970, UTC; None before 1972.
+pub fn tt2000(ns: i64) -> Option<i64> {
+    let mut leaps = (0..LEAPS.len()).rev().map(leap);
+    let (_, ahead) = leaps.find(|(from, _)| ns >= from * SECOND)?;
+    Some(ns - J2000 + TT_TAI + ahead * SECOND)
+}
+
+/// Since when the table of leap seconds is as it is, as a CDF writes the date.
+pub const LAST_LEAP: u32 = 20_170_101;
+
 /// Of EPOCH, ms since the year 0, to the microsecond; None for fill values.
 pub fn of_epoch(epoch_ms: f64) -> Option<i64> {
     let micros = ((epoch_ms - YEAR_0_S * 1e3) * 1e3).round();
@@ -64,6 +74,12 @@ mod tests {
         assert_eq!(of_tt2000(0), Some(946_727_935_816_000_000));
         assert_eq!([i64::MIN, i64::MIN + 1, -900_000_000 * SECOND].map(of_tt2000), [None; 3]);
         assert_eq!(leap(27), (1_483_228_800, 37));
+        for number in 0..LEAPS.len() {
+            let ns = leap(number).0 * SECOND;
+            assert_eq!(tt2000(ns).and_then(of_tt2000), Some(ns), "{number}");
+        }
+        assert_eq!(tt2000(1_483_228_799 * SECOND), Some(536_500_867_184_000_000));
+        assert_eq!((tt2000(946_727_935_816_000_000), tt2000(63_072_000 * SECOND - 1)), (Some(0), None));
     }
 
     #[test]

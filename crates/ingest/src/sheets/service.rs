@@ -23,7 +23,7 @@ pub fn is_meant(bytes: &[u8]) -> bool {
 ///
 /// # Errors
 ///
-/// What is no such answer; a measurement without one of its readings.
+/// What is not such an answer; a measurement without one of its readings.
 pub fn read(source: &Source) -> Result<Vec<Sheet>, Error> {
     let object: Value = serde_json::from_slice(&source.bytes).map_err(|error| {
         source.fault(Place::Whole, format!("no JSON ({error})"), "one JSON object; was the file cut?")
@@ -68,7 +68,7 @@ fn sheet(source: &Source, visit: &Value, reading: &Value, path: &str) -> Result<
             let found = format!("{} at {path}.measurements[{index}].{key}", measurement[key]);
             fault(
                 found,
-                "types as FirstMarkUp or EastDown, angles from 0 to 360, times in seconds since 1970",
+                "types as FirstMarkUp or EastDown, angles from 0 to 360, times in seconds since 1970, ordinates in nT",
             )
         })?;
         sheet.rows.extend(row);
@@ -97,17 +97,21 @@ fn row(measurement: &Value) -> Result<Option<Row>, &'static str> {
         Value::Null => return Ok(None),
         angle => angle.as_f64().filter(|angle| (0.0..=360.0).contains(angle)).ok_or("angle")?,
     };
-    let mut row = Row::at(view, face == "Up", circle, measurement["residual"].as_f64().unwrap_or(0.0));
+    let number = |key: &'static str, absent: f64| match &measurement[key] {
+        Value::Null => Ok(absent),
+        value => value.as_f64().ok_or(key),
+    };
+    let mut row = Row::at(view, face == "Up", circle, number("residual", 0.0)?);
     row.time_ns = match &measurement["time"] {
         Value::Null => None,
         Value::String(text) => Some(moment(text).ok_or("time")?),
         time => {
             let seconds = time.as_f64().filter(|seconds| seconds.abs() < 9e9);
-            Some((seconds.ok_or("time")? * SECOND_NS as f64) as i64)
+            Some((seconds.ok_or("time")? * SECOND_NS as f64).round() as i64)
         }
     };
     for (value, key) in row.values[4..].iter_mut().zip(["f", "h", "e", "z"]) {
-        *value = measurement[key].as_f64().unwrap_or(f64::NAN);
+        *value = number(key, f64::NAN)?;
     }
     Ok(Some(row))
 }

@@ -2,7 +2,7 @@
 
 use common::time::Start;
 use common::{
-    AbsoluteCalibration, AbsoluteSet, AdoptedBaseline, AdoptedBaselines, Code, Document, Quantity, Recording,
+    AbsoluteCalibration, AbsoluteSet, AdoptedBaseline, AdoptedBaselines, Document, Quantity, Recording,
 };
 
 use super::time::{Clock, earliest};
@@ -61,7 +61,7 @@ pub fn plots(plots: &mut Plots, document: &Document) {
         with_baseline(plot, document, found, (name, adopted), [&times, &nodes], shown)
     });
     let delta = delta_f(document, epoch_s, &clock).map(|series| {
-        plot("delta-f".into(), "ΔF: |B| less the scalar magnetometer".into(), "ΔF [nT]".into()).with(series)
+        plot("delta-f".into(), "ΔF: |B| minus the scalar magnetometer".into(), "ΔF [nT]".into()).with(series)
     });
     let stacked = baselines.chain(delta).map(|plot| Plot { stacked: true, ..plot });
     plots.insert("baselines".into(), stacked.collect());
@@ -130,7 +130,8 @@ fn with_baseline(
     shown: impl Fn(f64) -> f64 + Copy,
 ) -> Plot {
     let of = |name_of: &str, style: usize, used: bool| {
-        let all = found.sets.iter().zip(times).filter(|(set, _)| is_used(set) == used);
+        let all =
+            found.sets.iter().zip(times).filter(|(set, _)| adopted.not_used.contains(&set.recording) != used);
         let values = all.filter_map(|(set, time)| Some((*time, set.baseline.get(name)?)));
         measured(name_of, style, values, shown)
     };
@@ -195,11 +196,6 @@ fn followed(
         Some(one.coefficient.value() * (value - one.reference))
     });
     all.sum()
-}
-
-/// Whether the baseline is adopted by this measurement, among others.
-fn is_used(set: &AbsoluteSet) -> bool {
-    !set.findings.coded().any(|(_, code, _)| code == Some(Code::Outliers))
 }
 
 /// ΔF of the corrected recordings of the variometer, parted at their gaps.

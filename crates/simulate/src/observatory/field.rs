@@ -113,14 +113,6 @@ impl Field {
     /// What the variometer reads, and the field.
     pub fn read(&self, time: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (total, baseline) = (self.total(time), self.baseline(time));
-        let reading = match self.components {
-            Components::Xyz => total - baseline,
-            Components::Hez => {
-                let (sin, cos) = baseline.y.sin_cos();
-                let (along, across) = (cos * total.x + sin * total.y, cos * total.y - sin * total.x);
-                Vector3::new(along - baseline.x, across, total.z - baseline.z)
-            }
-        };
-        (reading, total)
+        (self.components.reading_nt(&total, &baseline), total)
     }
 }

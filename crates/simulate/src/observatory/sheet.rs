@@ -3,6 +3,7 @@
 use common::{Column, Columns};
 use nalgebra::{Rotation3, Vector3};
 use noise::Stream;
+use physics::frames::ARCSEC;
 use physics::theodolite::{Mounting, sighting};
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -37,16 +38,12 @@ const POSITIONS: [(f64, bool, bool); 8] = [
     (2.0, true, false),
 ];
 
-fn arcsec(value: f64) -> f64 {
-    (value / 3600.0).to_radians()
-}
-
 impl<'a> Observer<'a> {
     /// Draws the errors of the instrument.
     pub fn new(plan: &'a ObservatoryPlan) -> Self {
         let of = &plan.theodolite;
         let mut stream = Stream::new(plan.seed, "theodolite");
-        let mut collimation = || arcsec(of.collimation_arcsec * stream.normal());
+        let mut collimation = || ARCSEC * of.collimation_arcsec * stream.normal();
         let (horizontal_rad, vertical_rad, mark_collimation) =
             (collimation(), collimation(), 0.1 * collimation());
         let offset_nt = of.offset_nt * stream.normal();
@@ -60,8 +57,8 @@ impl<'a> Observer<'a> {
         let mut normal = |std: f64| std * stream.normal();
         let north = normal(1.0);
         let tilt = Rotation3::new(Vector3::new(
-            arcsec(normal(of.levelling_arcsec)),
-            arcsec(normal(of.levelling_arcsec)),
+            ARCSEC * normal(of.levelling_arcsec),
+            ARCSEC * normal(of.levelling_arcsec),
             0.0,
         ));
         // The squared length of two normal numbers gives a uniform one.
@@ -81,7 +78,7 @@ impl<'a> Observer<'a> {
         let marks = |rows: &mut Vec<[f64; 5]>, time: f64, normal: &mut dyn FnMut(f64) -> f64| {
             for above in [true, false] {
                 let face = if above { self.mark_collimation } else { PI - self.mark_collimation };
-                let read = north + mark + face + arcsec(normal(of.circle_arcsec));
+                let read = north + mark + face + ARCSEC * normal(of.circle_arcsec);
                 let zenith = if above { 90.0 } else { 270.0 };
                 rows.push([time, degrees(read), zenith, f64::NAN, f64::NAN]);
             }
@@ -98,16 +95,11 @@ impl<'a> Observer<'a> {
                 let turned = if above { 0.0 } else { PI };
                 let azimuth = meridian + quarter * FRAC_PI_2 + turned;
                 let dip = felt.z.atan2(felt.x.hypot(felt.y));
-                let zenith = match (level, quarter == 0.0, above) {
-                    (true, _, true) => FRAC_PI_2,
-                    (true, _, false) => 3.0 * FRAC_PI_2,
-                    (_, true, true) => dip,
-                    (_, true, false) => -dip,
-                    (_, false, true) => PI - dip,
-                    (_, false, false) => PI + dip,
-                };
+                // With the telescope turned over zenith angles are beyond 180°.
+                let inclined = if (quarter == 0.0) == above { dip } else { -dip };
+                let zenith = if level { FRAC_PI_2 } else { inclined.rem_euclid(PI) } + turned;
                 // The circle at which the magnetometer reads nothing, or is near to it. The other one is set as it is read.
-                let set_off = arcsec(normal(of.circle_arcsec));
+                let set_off = ARCSEC * normal(of.circle_arcsec);
                 let (mut a, mut v) =
                     if level { (azimuth, zenith + set_off) } else { (azimuth + set_off, zenith) };
                 for _ in 0..4 {
@@ -119,9 +111,9 @@ impl<'a> Observer<'a> {
                     }
                 }
                 let near = if self.plan.method == "residual" { normal(NEAR) } else { 0.0 };
-                let error = arcsec(normal(of.circle_arcsec))
+                let error = ARCSEC * normal(of.circle_arcsec)
                     + if misread == Some(position) && again == 0.0 {
-                        arcsec(60.0 * of.misread_arcmin)
+                        60.0 * ARCSEC * of.misread_arcmin
                     } else {
                         0.0
                     };

@@ -24,17 +24,21 @@ pub fn all(document: &Document) -> Vec<Finding> {
         let own = findings(&set.recording, &set.findings, set, measurement);
         own.into_iter().map(|finding| within(finding, [unix_s(&set.time); 2]))
     });
-    let components = found.adopted.iter().flat_map(|adopted| &adopted.components);
-    // They are told in this order.
-    let mut steps = components.flat_map(|(name, one)| one.steps.iter().map(move |step| (name, step)));
+    // Of one component they are told in their order.
+    let mut told: Vec<String> = Vec::new();
+    let mut step = |name: &str| {
+        let before = told.iter().filter(|other| **other == name).count();
+        told.push(name.into());
+        found.adopted.as_ref()?.components.get(name)?.steps.get(before)
+    };
     let of_baselines = found.findings.coded().map(|(words, code, about)| match code {
         Some(Code::BaselineSteps) => {
-            let Some((name, step)) = steps.find(|(name, _)| *name == about) else {
+            let Some(step) = step(about) else {
                 return Finding::of(words, Effect::NOT_HELD);
             };
             let size = step.size.value();
             let effect =
-                if name.ends_with("_deg") { Effect::arcsec(3600.0 * size) } else { Effect::nt(size) };
+                if about.ends_with("_deg") { Effect::arcsec(3600.0 * size) } else { Effect::nt(size) };
             within(Finding::of(words, effect), [time(&step.after), time(&step.before)])
         }
         Some(Code::Outliers) => {
