@@ -1,6 +1,7 @@
 //! A mapping guessed from a file: its notation, where the time is, what the columns are. What the file does
 //! not say stays open.
 
+mod circles;
 mod columns;
 mod content;
 mod hapi;

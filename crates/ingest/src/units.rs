@@ -15,7 +15,7 @@ const RADIAN_ARCSEC: f64 = 206_264.806_247_096_36;
 /// Units of files: the ending of the document's columns for what they measure, size and zero in that kind's
 /// base unit (the one of size one; for angles arcseconds, whose ending `ending_for` tells), and how people
 /// write it. Letters count: mT is not MT, and G (gauss) not g.
-const UNITS: [(&str, f64, f64, &str); 44] = [
+const UNITS: [(&str, f64, f64, &str); 45] = [
     ("nt", 1.0, 0.0, "nT nt gamma"),
     ("nt", 1e9, 0.0, "T"),
     ("nt", 1e6, 0.0, "mT"),
@@ -35,6 +35,7 @@ const UNITS: [(&str, f64, f64, &str); 44] = [
     ("deg", 1.0, 0.0, "arcsec \""),
     ("deg", 60.0, 0.0, "arcmin '"),
     ("deg", 3600.0, 0.0, "deg °"),
+    ("deg", 3240.0, 0.0, "gon grad"),
     ("deg", RADIAN_ARCSEC, 0.0, "rad"),
     ("deg", RADIAN_ARCSEC / 1e3, 0.0, "mrad"),
     ("m", 1.0, 0.0, "m"),
@@ -63,7 +64,7 @@ const UNITS: [(&str, f64, f64, &str); 44] = [
 ];
 
 /// What a mapping may say, for messages.
-pub const KNOWN: &str = "T, mT, uT (µT), nT, pT, G, mG, counts (with \"scale\"), V, mV, A, mA, C, K, F, deg, arcmin, arcsec, rad, \
+pub const KNOWN: &str = "T, mT, uT (µT), nT, pT, G, mG, counts (with \"scale\"), V, mV, A, mA, C, K, F, deg, gon, arcmin, arcsec, rad, \
                          mrad, m, cm, mm, Pa, hPa, mbar, Hz, s, ms, ohm, W, A m², rpm, percent";
 
 /// A unit without blanks, µ, Ω and A m² in one spelling.

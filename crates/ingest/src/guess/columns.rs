@@ -5,7 +5,7 @@ use common::unit;
 use super::names::{is_among, plain};
 use super::open::Guess;
 use super::sample::{Cells, Sample};
-use super::{content, temperatures};
+use super::{circles, content, temperatures};
 use crate::mapping::ColumnMapping;
 use crate::units;
 
@@ -64,6 +64,16 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
     let unnamed = |index: &usize| vector.is_none_or(|vector| !vector.contains(index));
     let like_temperature = |index: &usize| temperature_by_content(&told[*index], sample).is_some();
     let thermal = (0..told.len()).filter(unnamed).filter(like_temperature).count() <= THERMOMETERS;
+    let endings = told.iter().map(|one| match one.unit.as_deref() {
+        // A unit that is not known, "?", is none of a circle.
+        Some(unit) => (one.base.as_str(), Some(units::ending_for(unit).unwrap_or("?"))),
+        None => (one.base.as_str(), None),
+    });
+    let circles = circles::find(&endings.collect::<Vec<_>>());
+    let beyond = circles
+        .iter()
+        .filter(|(_, to)| to.ends_with("_deg"))
+        .any(|(place, _)| sample.numbers(told[*place].column).into_iter().any(|reading| reading > 360.0));
     let mut names: Vec<String> = Vec::new();
     for (index, one) in told.iter().enumerate() {
         let mut mapping =
@@ -88,6 +98,9 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
                 let question = "taken as the reference beside the sensors, by the name; for another instrument write `outside_x_nt`, … or `third_x_nt`, …";
                 let unit = mapping.note.take();
                 mapping.note = Some(unit.map_or(question.into(), |unit| format!("{question}; {unit}")));
+            }
+            None if let Some((_, to)) = circles.iter().find(|(place, _)| *place == index) => {
+                circles::map(&mut mapping, to, beyond);
             }
             _ => scalar_or_other(&mut mapping, one, sample, thermal),
         }

@@ -30,11 +30,10 @@ impl Guess {
             vec![format!("ingest guess: {}: {} of readings", file.display(), counted(all, "column"))];
         lines.extend(self.notes.iter().map(|note| format!("  {note}")));
         lines.extend(self.doubts.iter().map(|doubt| format!("  to be settled: {doubt}")));
-        lines.push(if known {
-            "  nothing is open: check it, then ingest --map MAP FILE".into()
-        } else {
-            "  edit the mapping, then ingest --map MAP FILE".into()
-        });
+        let is_absolute = self.mapping.columns.iter().any(|column| column.to == "vertical_deg");
+        let procedure = if is_absolute { "--procedure absolute " } else { "" };
+        let first = if known { "nothing is open: check it" } else { "edit the mapping" };
+        lines.push(format!("  {first}, then ingest {procedure}--map MAP FILE"));
         lines.join("\n")
     }
 }

@@ -214,3 +214,26 @@ fn parquet_comes_through_a_pipe() {
     cat.wait().expect("ended");
     assert_eq!(of_fifo, of_file);
 }
+
+#[test]
+fn circles_of_a_theodolite_are_known_by_their_names() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let rows = "2025-03-14T09:00:00Z;98.5;100;\n2025-03-14T09:02:00Z;5.02;100;0.1\n2025-03-14T09:03:00Z;365.03;300;-0.2\n";
+    for (titles, unit, open) in [
+        ("Hc [gon];Vc [gon];res [nT]", "gon", "nothing is open"),
+        ("horizontal circle;vertical circle;residual", "gon", "circles beyond 360 are in gon"),
+        ("hc_deg;zenith_deg;reading (nT)", "deg", "nothing is open"),
+    ] {
+        fs::write(folder.path().join("a.csv"), format!("time;{titles}\n{rows}")).expect("written");
+        let guess = run_in(INGEST, folder.path(), &["guess", "a.csv"]);
+        assert!(guess.stderr.contains(open), "{titles}: {}", guess.stderr);
+        assert!(guess.stderr.contains("ingest --procedure absolute --map MAP FILE"), "{}", guess.stderr);
+        let columns = document(&guess.stdout)["columns"].clone();
+        let found = [0, 1, 2].map(|k| (columns[k]["to"].as_str(), columns[k]["unit"].as_str()));
+        let due = [("horizontal_deg", unit), ("vertical_deg", unit), ("residual_nt", "nT")];
+        assert_eq!(found, due.map(|(to, unit)| (Some(to), Some(unit))), "{titles}");
+    }
+    // A column of that name alone is none.
+    fs::write(folder.path().join("a.csv"), format!("time;vertical;b;c\n{rows}")).expect("written");
+    assert!(!run_in(INGEST, folder.path(), &["guess", "a.csv"]).stdout.contains("vertical_deg"));
+}

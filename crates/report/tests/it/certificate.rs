@@ -34,7 +34,8 @@ fn blank(clause: &str) -> String {
     format!("________________</span> <span class=\"clause\">({clause})")
 }
 
-/// The campaign of MAGSAT with all administrative data and a specification, a rotation in a meadow with none.
+/// The campaign of MAGSAT with all administrative data and a specification, a rotation in a meadow and an observatory
+/// with none.
 #[test]
 fn golden() {
     let spec = magsat();
@@ -43,6 +44,7 @@ fn golden() {
     for (name, document, spec, blank) in [
         ("magsat.html", complete(), Some((&spec, Some("1e"))), 0),
         ("blank.html", fixture("scalarcal/meadow/expected.json"), None, 25),
+        ("observatory.html", fixture("report/observatory.json"), None, 25),
     ] {
         let document = parsed(&document);
         let findings = report::findings(&document).expect("findings");
