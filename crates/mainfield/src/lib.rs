@@ -1,7 +1,9 @@
 //! The Earth's main field, by the models that the field's institutions publish.
 
+mod frames;
 mod harmonics;
 
+pub use frames::{Celestial, itrf_to_geo};
 pub use harmonics::{RADIUS_KM, synthesis};
 
 use std::fmt;
@@ -26,6 +28,10 @@ pub struct Place {
     /// Height above the ellipsoid, m.
     pub height_m: f64,
 }
+
+/// A model at one moment.
+#[derive(Clone, Debug)]
+pub struct AtYear(Vec<f64>);
 
 /// Coefficients in the order of [`synthesis`], nT, at some years; between them they are on straight lines.
 struct Coefficients {
@@ -63,14 +69,13 @@ impl Model {
 
     /// The field north, east and down (geodetic) at a place in a decimal year, nT; None outside its years.
     pub fn field_nt(self, place: &Place, year: f64) -> Option<[f64; 3]> {
+        Some(self.at(year)?.field_nt(place))
+    }
+
+    /// The model in a decimal year; None outside its years.
+    pub fn at(self, year: f64) -> Option<AtYear> {
         let [from, to] = self.years();
-        let coefficients = (year >= from && year <= to).then(|| self.coefficients().at(year))?;
-        let (latitude, radius_km) = place.geocentric();
-        let [north, east, down] =
-            synthesis(&coefficients, latitude, place.longitude_deg.to_radians(), radius_km);
-        // From the vertical of the sphere to that of the ellipsoid.
-        let (sin, cos) = (latitude - place.latitude_deg.to_radians()).sin_cos();
-        Some([north * cos - down * sin, east, north * sin + down * cos])
+        (year >= from && year <= to).then(|| AtYear(self.coefficients().at(year)))
     }
 
     fn coefficients(self) -> Coefficients {
@@ -102,6 +107,17 @@ impl Place {
         let height_km = self.height_m / 1000.0;
         let (across, up) = ((normal_km + height_km) * cos, (normal_km * (1.0 - E2) + height_km) * sin);
         (up.atan2(across), across.hypot(up))
+    }
+}
+
+impl AtYear {
+    /// The field north, east and down (geodetic) at a place, nT.
+    pub fn field_nt(&self, place: &Place) -> [f64; 3] {
+        let (latitude, radius_km) = place.geocentric();
+        let [north, east, down] = synthesis(&self.0, latitude, place.longitude_deg.to_radians(), radius_km);
+        // From the vertical of the sphere to that of the ellipsoid.
+        let (sin, cos) = (latitude - place.latitude_deg.to_radians()).sin_cos();
+        [north * cos - down * sin, east, north * sin + down * cos]
     }
 }
 
