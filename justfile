@@ -101,7 +101,7 @@ prove:
     FLUXCAL_DAYS=200 cargo test --release -p diffmag --test it steps:: -- --nocapture
     mkdir -p target/days && python3 fixtures/reference/disturbed_days.py 41 120 target/days
     python3 fixtures/reference/disturbed_days_score.py target/release/diffmag 41 160 target/days
-    FLUXCAL_CAMPAIGNS=40 cargo test --release -p absolute --test it coverage:: -- --nocapture
+    FLUXCAL_CAMPAIGNS=143 cargo test --release -p absolute --test it coverage:: -- --nocapture
     FLUXCAL_CAMPAIGNS=500 cargo test --release -p correct --test it campaign:: -- --nocapture
     FLUXCAL_CASES=all cargo test --release -p correct --test it joint::
     FLUXCAL_CAMPAIGNS=400 cargo test --release -p diagnose --test it coverage:: -- --nocapture
@@ -112,7 +112,7 @@ prove:
 
 # All programs and `fluxcal`, which runs them, with man pages and bash completions, below ~/.local or PREFIX
 install prefix="$HOME/.local":
-    for program in simulate ingest series coilcal sensorcal axescal scalarcal diffmag absolute diagnose correct report fluxcal; do \
+    for program in simulate ingest series coilcal sensorcal axescal scalarcal starcal diffmag absolute diagnose correct report fluxcal; do \
         cargo install --locked --profile dist --path crates/$program --root {{prefix}} --target-dir target && \
         {{prefix}}/bin/$program --man {{prefix}}/share/man/man1 && \
         mkdir -p {{prefix}}/share/bash-completion/completions && \

@@ -12,7 +12,7 @@ import zipfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-PROGRAMS = "simulate ingest series coilcal sensorcal axescal scalarcal diffmag absolute diagnose correct report fluxcal".split()
+PROGRAMS = "simulate ingest series coilcal sensorcal axescal scalarcal starcal diffmag absolute diagnose correct report fluxcal".split()
 SUFFIX = ".exe" if os.name == "nt" else ""
 # Nothing of a wheel depends on when it was made.
 EARLIEST = (1980, 1, 1, 0, 0, 0)

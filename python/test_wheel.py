@@ -21,7 +21,7 @@ import fluxcal
 FIXTURES = Path(sys.argv.pop(1)).resolve() if len(sys.argv) > 1 else Path("fixtures").resolve()
 STAGES = {
     "coilcal": "coilcal/uneven", "sensorcal": "sensorcal/small", "axescal": "axescal/magsat", "scalarcal": "scalarcal/meadow",
-    "diffmag": "diffmag/turned-pair", "absolute": "absolute/weeks", "diagnose": "diagnose/warm",
+    "starcal": "starcal/day", "diffmag": "diffmag/turned-pair", "absolute": "absolute/weeks", "diagnose": "diagnose/warm",
 }
 
 
@@ -32,7 +32,7 @@ def document(name: str, file: str = "input.json") -> dict:
 class Programs(unittest.TestCase):
     def test_the_programs_are_those_of_the_wheel(self) -> None:
         scripts = [file for file in metadata.files("fluxcal") if file.name in (*STAGES, "fluxcal", "simulate", "ingest", "series", "correct", "report")]
-        self.assertEqual(len(scripts), 13)
+        self.assertEqual(len(scripts), 14)
         for script in scripts:
             self.assertTrue(os.access(script.locate(), os.X_OK), script)
         self.assertTrue(Path(fluxcal.__file__).is_relative_to(sys.prefix), fluxcal.__file__)

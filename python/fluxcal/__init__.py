@@ -19,8 +19,9 @@ from ._run import Document, Error, PathLike, Refused, Undetermined, call, text
 
 __all__ = [
     "Document", "Error", "Page", "Refused", "Undetermined", "absolute", "axescal", "certificate", "coilcal", "correct", "corrected", "design",
-    "diagnose", "diffmag", "diffmag_merge", "diffmag_stream", "effects", "frame", "guess", "ingest", "observatory", "plot", "recording", "replay",
-    "report", "results", "scalarcal", "scalarcal_merge", "scalarcal_stream", "sensorcal", "series", "simulate", "sweep",
+    "diagnose", "diffmag", "diffmag_merge", "diffmag_stream", "effects", "flight", "frame", "guess", "ingest", "observatory", "plot", "recording", "replay",
+    "report", "results", "scalarcal", "scalarcal_merge", "scalarcal_stream", "sensorcal", "series", "simulate", "starcal", "starcal_merge",
+    "starcal_stream", "sweep",
 ]
 __version__ = "0.1.0"
 
@@ -47,6 +48,11 @@ def observatory(plan: Document, *, seed: int | None = None, place: Iterable[floa
     """Absolute measurements and a variometer, as an observatory with such a plan would have them."""
     options = {name: value for name, value in locals().items() if name != "plan"}
     return call("simulate", "observatory", document=plan, **options)
+
+
+def flight(plan: Document, *, seed: int | None = None) -> dict[str, Any]:
+    """Readings and star cameras in an orbit, as such a plan has them."""
+    return call("simulate", "flight", document=plan, seed=seed)
 
 
 def replay(document: Document, *, noise: bool = False, seed: int | None = None) -> dict[str, Any]:
@@ -116,6 +122,12 @@ def scalarcal(document: Document, *, known: bool = False, reference_offset: bool
     return call("scalarcal", **locals())
 
 
+def starcal(document: Document, *, attitude_frame: str | None = None, field_model: str | None = None, ut1_utc_s: float | None = None,
+            drop_recordings: bool = False) -> dict[str, Any]:
+    """A vector magnetometer in flight, beside star cameras and in a model of the field."""
+    return call("starcal", **locals())
+
+
 def diffmag(document: Document, *, correct_clock: bool = False, drop_recordings: bool = False) -> dict[str, Any]:
     """Two magnetometers side by side."""
     return call("diffmag", **locals())
@@ -145,6 +157,16 @@ def diffmag_merge(pieces: Iterable[Mapping[str, Any]], **options: Any) -> dict[s
 def scalarcal_stream(*files: PathLike, **options: Any) -> dict[str, Any]:
     """`scalarcal stream`; as `diffmag_stream`."""
     return call("scalarcal", "stream", *files, **options)
+
+
+def starcal_stream(*files: PathLike, **options: Any) -> dict[str, Any]:
+    """`starcal stream`; as `diffmag_stream`."""
+    return call("starcal", "stream", *files, **options)
+
+
+def starcal_merge(pieces: Iterable[Mapping[str, Any]], **options: Any) -> dict[str, Any]:
+    """`starcal merge`; as `diffmag_merge`."""
+    return call("starcal", "merge", lines=pieces, **options)
 
 
 def scalarcal_merge(pieces: Iterable[Mapping[str, Any]], **options: Any) -> dict[str, Any]:

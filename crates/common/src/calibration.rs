@@ -4,8 +4,8 @@ use serde_json::value::RawValue;
 use crate::uncertainty::joint::Uncertainty;
 use crate::{
     AbsoluteCalibration, AxesCalibration, Axis, CoilFit, CoilSurvey, CommonExtremum, DifferentialCalibration,
-    Error, Extra, GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration, SensorCalibration,
-    json, parse, undetermined,
+    Error, Extra, FlightCalibration, GradientCoil, NullingCalibration, PerAxis, Quantity, ScalarCalibration,
+    SensorCalibration, json, parse, undetermined,
 };
 
 /// What the stages found; a stage with no recording of its own may be given these instead.
@@ -36,6 +36,9 @@ pub struct Calibration {
     /// Absolute measurements and baselines, by absolute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub absolute: Option<Box<AbsoluteCalibration>>,
+    /// A magnetometer beside star cameras, by starcal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub flight: Option<Box<FlightCalibration>>,
     /// The joint uncertainty of all that is calibrated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,

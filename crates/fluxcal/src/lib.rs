@@ -15,7 +15,7 @@ pub struct Program {
 }
 
 /// All of them, in the order in which a calibration needs them.
-pub const PROGRAMS: [Program; 12] = [
+pub const PROGRAMS: [Program; 13] = [
     Program { name: "simulate", does: "Simulate the recordings of a campaign from a plan" },
     Program {
         name: "ingest",
@@ -37,6 +37,10 @@ pub const PROGRAMS: [Program; 12] = [
     Program {
         name: "scalarcal",
         does: "Calibrate a vector magnetometer by the magnitude of the field, without a facility",
+    },
+    Program {
+        name: "starcal",
+        does: "Calibrate a vector magnetometer in flight, beside star cameras and in a model of the field",
     },
     Program {
         name: "diffmag",

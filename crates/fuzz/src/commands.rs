@@ -64,7 +64,7 @@ const fn line(kind: FileKind, weight: usize, words: &'static str, writes: Writes
 }
 
 /// All command lines.
-pub const LINES: [Line; 86] = {
+pub const LINES: [Line; 91] = {
     use FileKind::{Cdf, Csv, Iaga, Mapping, Ndjson, Observatory, Orientations, Parquet, Piece, Plan, Spec};
     use Writes::{Documents, Json, Text};
     const DOC: FileKind = FileKind::Document;
@@ -93,6 +93,8 @@ pub const LINES: [Line; 86] = {
         line(DOC, 1, "scalarcal --known --reference-offset --with offset_temperature IN", TO_DOC),
         line(DOC, 1, "scalarcal stream --document IN fixtures/scalarcal/pieces/morning.csv", TO_DOC),
         line(DOC, 5, "absolute IN", TO_DOC),
+        line(DOC, 4, "starcal IN", TO_DOC),
+        line(DOC, 1, "starcal --attitude-frame icrf --field-model wmm2025 IN", TO_DOC),
         line(DOC, 4, "diagnose IN", TO_DOC),
         line(DOC, 1, "diagnose --refit IN", TO_DOC),
         line(DOC, 1, "diagnose --against fixtures/diagnose/warm/input.json IN", TO_DOC),
@@ -122,6 +124,7 @@ pub const LINES: [Line; 86] = {
         line(Plan, 2, "simulate campaign --run-sheet IN", Text),
         line(Plan, 2, "simulate sweep --seeds 1..2 IN", Documents),
         line(Observatory, 1, "simulate observatory IN", TO_DOC),
+        line(Observatory, 1, "simulate flight IN", TO_DOC),
         line(Mapping, 4, "ingest --map IN fixtures/ingest/logger.csv", TO_DOC),
         line(Mapping, 3, "ingest --map IN fixtures/bad/ingest/word.csv", TO_DOC),
         line(Mapping, 3, "ingest --map IN fixtures/ingest/counts.txt", TO_DOC),
@@ -134,6 +137,7 @@ pub const LINES: [Line; 86] = {
         line(Piece, 1, "diffmag merge --partial IN", Writes::Piece),
         line(Piece, 2, "scalarcal merge IN", TO_DOC),
         line(Piece, 1, "scalarcal merge --partial IN", Writes::Piece),
+        line(Piece, 1, "starcal merge IN", TO_DOC),
         line(Orientations, 1, "axescal design --candidates IN", Json),
         line(Iaga, 4, "ingest IN", TO_DOC),
         line(Iaga, 1, "ingest -", TO_DOC),
@@ -148,6 +152,7 @@ pub const LINES: [Line; 86] = {
         line(Csv, 1, "diffmag stream --partial IN", Writes::Piece),
         line(Csv, 2, "scalarcal stream IN", TO_DOC),
         line(Csv, 1, "scalarcal stream --partial IN", Writes::Piece),
+        line(Csv, 1, "starcal stream IN", TO_DOC),
         line(Csv, 2, "correct AROUND", TO_DOC),
         line(Ndjson, 2, "ingest IN", TO_DOC),
         line(Ndjson, 1, "ingest guess IN", Writes::Mapping),
@@ -208,6 +213,7 @@ pub fn next(program: &str) -> &'static [&'static str] {
         "diffmag" => &["report --text", "diffmag", "correct"],
         "scalarcal" => &["report --text", "correct", "diagnose", "scalarcal"],
         "absolute" => &["report --text", "correct", "absolute"],
+        "starcal" => &["report --text", "correct", "diagnose", "starcal"],
         "diagnose" => &["correct", "report --text", "diagnose", "simulate replay"],
         "correct" => &["report --text", "diagnose", "correct"],
         _ => &[],

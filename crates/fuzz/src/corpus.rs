@@ -87,6 +87,7 @@ fn near(program: &str) -> &'static [&'static str] {
         "axescal" => &["axescal/", "nasa-1977/", "simulate/", "bad/axes", "made"],
         "diffmag" => &["diffmag/", "ingest/", "made"],
         "absolute" => &["absolute/", "ingest/absolute"],
+        "starcal" => &["starcal/", "scalarcal/three-orbits"],
         "diagnose" => &["diagnose/", "correct/flight", "simulate/replay"],
         "correct" => &["correct/", "diagnose/warm", "axescal/magsat"],
         "report" => &["expected", "specs/", "bad/report/"],

@@ -9,7 +9,7 @@ pub enum FileKind {
     Document,
     /// What `simulate` carries out.
     Plan,
-    /// What `simulate observatory` carries out.
+    /// What `simulate observatory` and `simulate flight` carry out.
     Observatory,
     /// How `ingest` reads columns.
     Mapping,
@@ -63,7 +63,7 @@ impl FileKind {
             FileKind::Spec
         } else if has("procedures") {
             FileKind::Plan
-        } else if has("weeks") {
+        } else if has("weeks") || has("cameras") {
             FileKind::Observatory
         } else {
             FileKind::Document

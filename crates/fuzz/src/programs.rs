@@ -6,13 +6,14 @@ use std::process::Command;
 use crate::Error;
 
 /// All programs that read files.
-pub const NAMES: [&str; 11] = [
+pub const NAMES: [&str; 12] = [
     "simulate",
     "ingest",
     "series",
     "coilcal",
     "sensorcal",
     "axescal",
+    "starcal",
     "diffmag",
     "absolute",
     "diagnose",

@@ -55,7 +55,7 @@ pub use chain::{Direction, LeftOut, Prediction, predict, predict_acting, predict
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use directions::directions;
 pub use effect::{About, Acts, Effect, ParameterInfo, Place, Role, Stage, Surroundings};
-pub use effects::{chebyshev, machines_run};
+pub use effects::{HARMONICS as SUN_HARMONICS, chebyshev, harmonics_at as sun_harmonics, machines_run};
 pub use error::{Error, Result};
 pub use family::Family;
 pub use instance::{EffectInstance, Within, adopt, state_references};

@@ -67,6 +67,7 @@ pub fn attitude_columns(attitude: &[UnitQuaternion<f64>]) -> Vec<(String, Column
     vec![part("w", &|q| q.w), part("x", &|q| q.i), part("y", &|q| q.j), part("z", &|q| q.k)]
 }
 
-fn quaternion(rotation: &Matrix3<f64>) -> UnitQuaternion<f64> {
+/// A rotation as a unit quaternion.
+pub fn quaternion(rotation: &Matrix3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation))
 }

@@ -16,6 +16,7 @@ mod bench;
 mod campaign;
 mod differential;
 mod effects;
+mod flight;
 mod make;
 mod observatory;
 mod orbit;
@@ -34,6 +35,10 @@ pub use aboard::KnownField;
 pub use campaign::{Campaign, campaign};
 pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes, ThirdTruth};
 pub use effects::{Layout, catalogue};
+pub use flight::{
+    AttitudeFrame, BenchPlan, CameraPlan, CurrentPlan, FieldPlan, FlightPlan, FlightTruth, LatencyPlan,
+    MadeFlight, SensorsPlan, SunPlan, flight,
+};
 pub use observatory::{BaselinePlan, Observatory, ObservatoryPlan, TheodolitePlan, observatory};
 pub use outside::{OutsidePlan, Site, SiteNoise, SitePlan, Storm};
 pub use plan::{CalibrationPart, DriveRecord, Plan, Profile, Temperatures, TruthPlan};

@@ -9,7 +9,10 @@ use program::pipe::{self, Input, Io, Program, Sink, StageIo};
 use program::place::AtPlace;
 use program::{apart, manual, progress};
 use rayon::prelude::*;
-use simulate::{Campaign, Case, Layout, Observatory, ObservatoryPlan, Replayed, RunSheet, Variation};
+use simulate::{
+    Campaign, Case, FlightPlan, Layout, MadeFlight, Observatory, ObservatoryPlan, Replayed, RunSheet,
+    Variation,
+};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -37,6 +40,8 @@ enum Command {
     Campaign(CampaignArgs),
     /// Make the absolute measurements and the variometer of an observatory
     Observatory(ObservatoryArgs),
+    /// Make the readings of a magnetometer beside star cameras in orbit
+    Flight(FlightArgs),
     /// Replace the readings of a document by the predictions of its calibration and model
     Replay(ReplayArgs),
     /// Carry out a plan for many seeds or values, one document a line
@@ -90,6 +95,21 @@ struct ObservatoryArgs {
     truth: Option<PathBuf>,
     #[command(flatten)]
     at: AtPlace,
+}
+
+#[derive(Args)]
+#[command(
+    after_help = "Example:\n  simulate flight fixtures/plans/flight.json --truth truth.json > flight.json"
+)]
+struct FlightArgs {
+    #[command(flatten)]
+    io: Io,
+    /// Seed of all that is drawn, instead of the plan's
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Write the true values to this file
+    #[arg(long, value_name = "FILE")]
+    truth: Option<PathBuf>,
 }
 
 #[derive(Args)]
@@ -155,6 +175,7 @@ fn main() -> ExitCode {
     let result = match manual::parse::<Cli>().command {
         Command::Campaign(args) => campaign(&args),
         Command::Observatory(args) => observatory(&args),
+        Command::Flight(args) => flight(&args),
         Command::Replay(args) => replay(&args),
         Command::Sweep(args) => sweep(&args),
         Command::Effects { effect, layout } => simulate::catalogue(effect.as_deref(), layout)
@@ -188,14 +209,7 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let arguments = arguments.into_iter().chain(at.arguments()).collect();
     document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
     let rows: usize = document.recordings.iter().map(Recording::rows).sum();
-    let long = document.recordings.iter_mut().filter(|one| *beside && one.rows() > INLINE_ROWS);
-    let tables: Vec<Table> = long.map(|one| Table::of(one, beside::file_name(&one.id))).collect();
-    // What is refused is refused before a file is written.
-    let (text, truth_text) = (document.to_text()?, what_is_true.to_text()?);
-    if let Some(path) = truth {
-        pipe::write(Some(path), &truth_text)?;
-    }
-    beside::write(io.output.as_deref(), &text, &tables)?;
+    write(io, &mut document, *beside, truth.as_deref(), &what_is_true.to_text()?)?;
     let recordings = counted(document.recordings.len(), "recording");
     say(io, &format!("{recordings}, {}, seed {}", counted(rows, "row"), plan.seed));
     Ok(())
@@ -224,6 +238,24 @@ fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
     pipe::write(io.output.as_deref(), &text)?;
     let sets = counted(document.recordings.len() - 1, "measurement");
     say(io, &format!("{sets} in {}, seed {}", counted(plan.weeks, "week"), plan.seed));
+    Ok(())
+}
+
+fn flight(args: &FlightArgs) -> anyhow::Result<()> {
+    let FlightArgs { io, seed, truth } = args;
+    separate(io, truth.as_deref())?;
+    let input = Input::read(io.file.as_deref())?;
+    let located = |error: Error| input.locate(error);
+    let mut plan = FlightPlan::parse(&input.text).map_err(located)?;
+    plan.seed = seed.unwrap_or(plan.seed);
+    let MadeFlight { mut document, truth: what_is_true } = simulate::flight(&plan).map_err(located)?;
+    let arguments = vec!["flight".into(), format!("--seed={}", plan.seed)];
+    document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
+    let rows: usize = document.recordings.iter().map(Recording::rows).sum();
+    let to_file = pipe::named(io.output.as_deref()).is_some();
+    write(io, &mut document, to_file, truth.as_deref(), &common::to_text(&what_is_true))?;
+    let cameras = counted(plan.cameras.len(), "star camera");
+    say(io, &format!("{}, {cameras}, seed {}", counted(rows, "row"), plan.seed));
     Ok(())
 }
 
@@ -297,6 +329,25 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     }
     documents.finish()?;
     say(io, &counted(written, "document"));
+    Ok(())
+}
+
+/// Writes a document and the truth, its long recordings as tables beside it where that is wanted.
+fn write(
+    io: &Io,
+    document: &mut Document,
+    beside: bool,
+    truth: Option<&Path>,
+    truth_text: &str,
+) -> anyhow::Result<()> {
+    let long = document.recordings.iter_mut().filter(|one| beside && one.rows() > INLINE_ROWS);
+    let tables: Vec<Table> = long.map(|one| Table::of(one, beside::file_name(&one.id))).collect();
+    // What is refused is refused before a file is written.
+    let text = document.to_text()?;
+    if let Some(path) = truth {
+        pipe::write(Some(path), truth_text)?;
+    }
+    beside::write(io.output.as_deref(), &text, &tables)?;
     Ok(())
 }
 

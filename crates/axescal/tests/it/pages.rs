@@ -55,8 +55,7 @@ fn root() -> PathBuf {
 fn runs(page: &str) {
     let root = root();
     let binaries = Path::new(env!("CARGO_BIN_EXE_axescal")).parent().expect("a folder");
-    let others =
-        "simulate ingest series coilcal sensorcal scalarcal diffmag absolute diagnose correct report fluxcal";
+    let others = "simulate ingest series coilcal sensorcal scalarcal starcal diffmag absolute diagnose correct report fluxcal";
     for other in others.split(' ') {
         assert!(binaries.join(other).exists(), "the binary `{other}` is built by `cargo test --workspace`");
     }
@@ -122,6 +121,7 @@ pages! {
     sensorcal: "docs/sensorcal.md",
     axescal: "docs/axescal.md",
     scalarcal: "docs/scalarcal.md",
+    starcal: "docs/starcal.md",
     diffmag: "docs/diffmag.md",
     absolute: "docs/absolute.md",
     partial: "docs/partial.md",

@@ -12,6 +12,7 @@ const COMMANDS: &[(&str, &[&str], &str)] = &[
     ("simulate", &["campaign"], "plans/magsat-axes.json"),
     ("simulate", &["campaign", "--run-sheet"], "plans/magsat-axes.json"),
     ("simulate", &["observatory"], "plans/observatory.json"),
+    ("simulate", &["flight"], "plans/flight.json"),
     ("simulate", &["replay"], "axescal/magsat/expected.json"),
     ("simulate", &["sweep", "--seeds", "1..2"], "plans/magsat-axes.json"),
     ("ingest", &["@ingest/field.csv"], ""),
@@ -26,6 +27,7 @@ const COMMANDS: &[(&str, &[&str], &str)] = &[
     ("scalarcal", &["stream"], "scalarcal/pieces/morning.csv"),
     ("diffmag", &[], "diffmag/turned-pair/input.json"),
     ("diffmag", &["stream", "--partial"], "diffmag/pieces/morning.csv"),
+    ("starcal", &[], "starcal/day/input.json"),
     ("absolute", &[], "absolute/weeks/input.json"),
     ("diagnose", &[], "diagnose/delay/input.json"),
     ("correct", &[], "correct/flight/input.json"),
@@ -142,7 +144,8 @@ fn a_stream_is_read_from_standard_input() {
 #[test]
 fn readings_are_left_out_where_that_is_asked() {
     let stages = COMMANDS.iter().filter(|(program, arguments, _)| {
-        let stages = ["coilcal", "sensorcal", "axescal", "scalarcal", "diffmag", "absolute", "diagnose"];
+        let stages =
+            ["coilcal", "sensorcal", "axescal", "scalarcal", "starcal", "diffmag", "absolute", "diagnose"];
         stages.contains(program) && arguments.is_empty()
     });
     for (program, _, read) in stages {

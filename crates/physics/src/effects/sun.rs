@@ -63,7 +63,7 @@ impl Effect for SunThermoelectric {
 /// Highest degree of the harmonics.
 const DEGREE: usize = 4;
 /// Harmonics up to that degree.
-const HARMONICS: usize = (DEGREE + 1) * (DEGREE + 1);
+pub const HARMONICS: usize = (DEGREE + 1) * (DEGREE + 1);
 
 /// Coefficients of one component, by degree and order, a cosine before its sine; a higher degree is smaller.
 macro_rules! harmonics {
@@ -125,7 +125,7 @@ impl Effect for SunThermoelectricHarmonics {
 }
 
 /// Schmidt's harmonics in the direction of an azimuth and an elevation, in the order of the parameters.
-fn harmonics_at([azimuth, elevation]: [f64; 2]) -> [f64; HARMONICS] {
+pub fn harmonics_at([azimuth, elevation]: [f64; 2]) -> [f64; HARMONICS] {
     let (up, level) = elevation.sin_cos();
     // P_mm, then up in degree: √((n+m)(n−m)) P_nm = (2n − 1) sin el P_(n−1)m − √((n+m−1)(n−m−1)) P_(n−2)m.
     let mut p = [[0.0; DEGREE + 1]; DEGREE + 1];

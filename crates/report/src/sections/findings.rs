@@ -52,6 +52,13 @@ pub fn of(section: &str, document: &Document) -> Vec<Finding> {
             all.flat_map(|scalar| findings("", &scalar.findings, &**scalar, axes::scalar)).collect()
         }
         "absolute" => absolute::all(document),
+        "flight" => {
+            let all = calibration.iter().flat_map(|found| &found.flight);
+            all.flat_map(|flight| {
+                findings("", &flight.findings, &**flight, |_, code, _| Effect::Unstated(code.effect()))
+            })
+            .collect()
+        }
         "differential" => {
             let all = calibration.iter().flat_map(|found| &found.differential);
             all.flat_map(of_difference).collect()

@@ -101,6 +101,7 @@ fn is_read(document: &Document, recording: &Recording) -> bool {
         procedure::DIFFERENTIAL => calibration.differential.as_ref().is_some_and(|found| found.fit.is_some()),
         procedure::FREE_RUN => {
             calibration.scalar.as_ref().is_some_and(|scalar| scalar.recordings.contains(&recording.id))
+                || calibration.flight.as_ref().is_some_and(|flight| flight.recordings.contains(&recording.id))
         }
         procedure::ABSOLUTE | procedure::VARIOMETER => calibration.absolute.as_ref().is_some_and(|found| {
             found.variometer.contains(&recording.id)

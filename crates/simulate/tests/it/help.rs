@@ -4,7 +4,7 @@ const SIMULATE: &str = env!("CARGO_BIN_EXE_simulate");
 
 #[test]
 fn examples_run() {
-    testkit::examples(SIMULATE, &["campaign", "observatory", "replay", "sweep"]);
+    testkit::examples(SIMULATE, &["campaign", "observatory", "flight", "replay", "sweep"]);
 }
 
 #[test]

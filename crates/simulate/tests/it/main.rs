@@ -3,6 +3,7 @@
 mod build;
 mod campaign;
 mod effects;
+mod flight;
 mod golden;
 mod help;
 mod laws;

@@ -27,6 +27,9 @@ fn committed_schemas_and_plans() {
     let observatory = common::schema::titled(observatory, "fluxcal observatory", "observatory.schema.json");
     let observatories =
         jsonschema::validator_for(&check(observatory, "observatory.schema.json")).expect("a schema");
+    let flight = schemars::schema_for!(simulate::FlightPlan);
+    let flight = common::schema::titled(flight, "fluxcal flight", "flight.schema.json");
+    let flights = jsonschema::validator_for(&check(flight, "flight.schema.json")).expect("a schema");
     let plans = jsonschema::validator_for(&plan).expect("a schema");
     let truths = jsonschema::validator_for(&truth).expect("a schema");
     for entry in fs::read_dir(testkit::fixture("plans")).expect("fixtures/plans") {
@@ -35,6 +38,10 @@ fn committed_schemas_and_plans() {
         let value: Value = serde_json::from_str(&text).expect("JSON");
         if value.get("weeks").is_some() {
             assert!(observatories.is_valid(&value), "{}", path.display());
+            continue;
+        }
+        if value.get("cameras").is_some() {
+            assert!(flights.is_valid(&value), "{}", path.display());
             continue;
         }
         assert!(plans.is_valid(&value), "{}: {:?}", path.display(), plans.iter_errors(&value).next());

@@ -1,0 +1,99 @@
+//! Sensors and the first camera, and the other heads against the first: d = D d₁, the field in the frame of one by that
+//! in the frame of the other. The field of the model cancels; what is left are the errors of two attitudes.
+
+use faer::Mat;
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use physics::frames::ARCSEC;
+
+use crate::Error;
+use crate::axes::{Axes, nearest};
+use crate::choose::{Chosen, choose};
+use crate::fit::{Fit, Flight, Kinds};
+use crate::layout::{FIELD_NT, Layout};
+use crate::partial::{DIRECTIONS, PLACES};
+use crate::terms::{Direction, Follows, Space, Term, twelve};
+
+/// Rounds in which the turn of a head settles.
+const ROUNDS: usize = 2;
+/// To begin with, all rows count alike.
+const ALIKE: Kinds = [[1.0; DIRECTIONS]; PLACES];
+
+/// Sensors and the first camera.
+pub struct First {
+    pub terms: Vec<(Term, f64)>,
+    /// Terms that may be in place of one.
+    pub rivals: Vec<(Term, Term, f64)>,
+    pub fit: Fit,
+    /// Without terms.
+    pub without: Fit,
+    pub axes: Axes,
+}
+
+/// Another head.
+pub struct Head {
+    /// From the first to this one.
+    pub turn: Rotation3<f64>,
+    /// Of turns about its axes, arcsec².
+    pub covariance: Mat<f64>,
+    pub terms: Vec<(Follows, f64)>,
+    pub fit: Fit,
+}
+
+/// Fits sensors and the first camera.
+///
+/// Errors: what the rows do not determine.
+pub fn first(flight: &Flight, layout: &Layout, stated: &Matrix3<f64>) -> Result<First, Error> {
+    let flat =
+        || Error::Unanswerable("the sensors lie in a plane by what was found; check the columns".into());
+    let axes_of = |fit: &Fit| Axes::of(&fit.values[..12], stated).ok_or_else(flat);
+    let base = twelve(flight.count);
+    let without = flight.settled(&base, &ALIKE)?;
+    let axes = axes_of(&without)?;
+    let candidates: Vec<(Term, Vec<Direction>)> =
+        Term::all(layout).into_iter().map(|term| (term, term.directions(layout, &axes))).collect();
+    let may = |term: Term, taken: &[(Term, f64)]| {
+        term.after().is_none_or(|first| taken.iter().any(|(one, _)| *one == first))
+    };
+    let Chosen { terms, rivals, fit } = choose(flight, (base, without.clone()), &candidates, may)?;
+    let axes = axes_of(&fit)?;
+    Ok(First { terms, rivals, fit, without, axes })
+}
+
+/// Fits another head.
+///
+/// Errors: as [`first`].
+pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Error> {
+    let space = Space { signals: layout.signals(camera) };
+    let zero = Vector3::zeros();
+    let cross = |k: usize| -ARCSEC * Vector3::ith(k, 1.0).cross_matrix();
+    // All nine elements, then turns about the nearest rotation.
+    let nine: Vec<Direction> = (0..9)
+        .map(|k| {
+            let mut unit = Matrix3::zeros();
+            unit[(k % 3, k / 3)] = 1.0 / FIELD_NT;
+            space.still(&unit, &zero)
+        })
+        .collect();
+    let found = flight.settled(&nine, &ALIKE)?;
+    let free = Matrix3::from_column_slice(&found.values) / FIELD_NT;
+    let mut turn = Rotation3::from_matrix_unchecked(nearest(&free));
+    let about = |turn: &Rotation3<f64>| -> Vec<Direction> {
+        let turns = (0..3).map(|k| space.still(&(cross(k) * turn.matrix()), &zero));
+        [space.still(turn.matrix(), &zero)].into_iter().chain(turns).collect()
+    };
+    for _ in 0..ROUNDS {
+        let fit = flight.settled(&about(&turn), &found.variances)?;
+        let by = Vector3::from_column_slice(&fit.values[1..4]) * -ARCSEC;
+        turn = Rotation3::from_scaled_axis(by) * turn;
+    }
+    let base = about(&turn);
+    let without = flight.settled(&base, &found.variances)?;
+    let of = |follows: Follows| -> (Follows, Vec<Direction>) {
+        (follows, (0..3).map(|k| space.followed(follows, &(cross(k) * turn.matrix()), &zero)).collect())
+    };
+    let candidates: Vec<_> = Follows::all(layout).into_iter().map(of).collect();
+    let Chosen { terms, fit, .. } = choose(flight, (base, without), &candidates, |_, _| true)?;
+    let by = Vector3::from_column_slice(&fit.values[1..4]) * -ARCSEC;
+    let covariance = fit.covariance.submatrix(1, 1, 3, 3).to_owned();
+    Ok(Head { turn: Rotation3::from_scaled_axis(by) * turn, covariance, terms, fit })
+}

@@ -1,0 +1,88 @@
+//! A golden document (BLESS=1 writes it anew; read the difference before it is kept), faults with their messages, streams
+//! and the program's help.
+
+use common::{Document, FlightCalibration, to_text};
+use mainfield::Model;
+use starcal::{Columns, run};
+
+const STARCAL: &str = env!("CARGO_BIN_EXE_starcal");
+
+fn columns() -> Columns {
+    Columns { frame: "geo".into(), model: Model::Igrf14, ut1_utc_s: 0.0 }
+}
+
+fn done(text: &str) -> Document {
+    run(Document::parse(text).expect("a document"), &columns()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn flight(document: &Document) -> &FlightCalibration {
+    document.calibration.as_ref().and_then(|found| found.flight.as_deref()).expect("a flight")
+}
+
+/// Two days with a current of which an ampere adds 4, −6 and 3 nT.
+#[test]
+fn golden() {
+    let input = "starcal/day/input.json";
+    testkit::golden("starcal/day", input, |text| to_text(&done(text)));
+    let document = done(&testkit::read_fixture(input));
+    let [term] = &flight(&document).terms[..] else { panic!("one term") };
+    assert_eq!(
+        (term.effect.as_deref(), term.column.as_deref()),
+        (Some("stray_current"), Some("panel_current_a"))
+    );
+    for (found, truth) in term.parameters.values().zip([4.0, -6.0, 3.0]) {
+        assert!((found.value() - truth).abs() < 3.0 * found.std().expect("an uncertainty"), "{found}");
+    }
+    assert_eq!(document.model.expect("a model").effects[0].effect, "stray_current");
+}
+
+/// Readings that stand one row late are told, with the time.
+#[test]
+fn late_readings_are_told() {
+    let plan = simulate::FlightPlan { days: 1.0, step_s: 30.0, ..simulate::FlightPlan::default() };
+    let mut made = simulate::flight(&plan).expect("a flight").document;
+    for axis in ["x", "y", "z"] {
+        let column = made.recordings[0].columns.get_mut(&format!("sensor_{axis}_nt")).expect("readings");
+        let mut values = column.to_vec();
+        values.rotate_right(1);
+        values[0] = f64::NAN;
+        *column = values.into();
+    }
+    let document = run(made, &columns()).expect("a calibration");
+    let found = flight(&document);
+    assert!(
+        found.findings.iter().any(|finding| finding.contains("s late against field and attitude")),
+        "{:?}",
+        found.findings
+    );
+    let late = found.terms.iter().find_map(|term| term.parameters.get("readings_late_s")).expect("a time");
+    // The change of the field is taken on a straight line over a minute.
+    assert!((late.value() - 30.0).abs() < 3.0, "{late}");
+}
+
+/// GPS time in place of UTC.
+#[test]
+fn times_of_gps_are_told() {
+    let plan = simulate::FlightPlan { days: 2.0, step_s: 60.0, ..simulate::FlightPlan::default() };
+    let mut made = simulate::flight(&plan).expect("a flight").document;
+    made.recordings[0].start = Some("2025-03-01T00:00:18Z".into());
+    let document = run(made, &columns()).expect("a calibration");
+    let findings = &flight(&document).findings;
+    assert!(findings.iter().any(|finding| finding.contains("they seem to be GPS time")), "{findings:?}");
+}
+
+#[test]
+fn readings_in_files_beside_the_document() {
+    testkit::beside(STARCAL, "starcal/day/input.json");
+}
+
+#[test]
+fn each_fault_has_its_message() {
+    assert!(testkit::faults("bad/starcal", STARCAL) >= 17);
+}
+
+#[test]
+fn examples_run_and_completions_and_man_pages_are_there() {
+    testkit::examples(STARCAL, &["stream", "merge"]);
+    testkit::manual(STARCAL);
+}

@@ -1,0 +1,95 @@
+//! Pieces of a flight, and turns of its frames.
+
+use common::{Document, Recording};
+use mainfield::Model;
+use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
+use partial::{Series, Take};
+use starcal::{Columns, Partial, answer, run};
+use std::ops::Range;
+
+fn columns(frame: &str) -> Columns {
+    Columns { frame: frame.into(), model: Model::Igrf14, ut1_utc_s: 0.0 }
+}
+
+fn made(seed: u64) -> Document {
+    let plan = simulate::FlightPlan { seed, days: 1.0, step_s: 200.0, ..simulate::FlightPlan::default() };
+    simulate::flight(&plan).expect("a flight").document
+}
+
+fn empty() -> Document {
+    Document { fluxcal: 1, ..Document::default() }
+}
+
+/// k, O and μ.
+fn sensors(document: &Document) -> Vec<f64> {
+    let calibration = document.calibration.as_ref().expect("a calibration");
+    let sensors = calibration.sensors.as_ref().expect("sensors");
+    let of = |one: &common::SensorCalibration| {
+        [one.sensitivity_nt_per_nt.clone(), one.offset_nt.clone()].map(|one| one.expect("a value").value())
+    };
+    let matrix =
+        calibration.axes.as_ref().and_then(|axes| axes.sensors.as_ref()?.matrix).expect("directions");
+    sensors.iter().flat_map(|(_, one)| of(one)).chain(matrix.into_iter().flatten()).collect()
+}
+
+fn near(one: &[f64], other: &[f64], within: f64) -> Result<(), String> {
+    let worst = one.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    if worst < within { Ok(()) } else { Err(format!("{one:?} {other:?}")) }
+}
+
+fn piece(recording: &Recording, rows: Range<usize>) -> Partial {
+    let there: Vec<String> = recording.columns.keys().cloned().collect();
+    let (names, mut taking) = columns("icrf").begin(&there).expect("columns");
+    let start_s = recording.start().expect("a start").unix_s;
+    let of = |name: &String| -> Vec<f64> {
+        let shift = if name == "time_s" { start_s } else { 0.0 };
+        recording.column(name).expect("a column")[rows.clone()].iter().map(|value| value + shift).collect()
+    };
+    let values: Vec<Vec<f64>> = names.iter().map(of).collect();
+    let values: Vec<&[f64]> = values.iter().map(Vec::as_slice).collect();
+    taking.push(&values).and_then(|()| taking.finish()).expect("rows")
+}
+
+/// In any order and grouping pieces give the calibration of one pass.
+#[test]
+fn pieces_merge() {
+    let same = |one: &Partial, other: &Partial| {
+        let [one, other] = [one, other].map(|one| sensors(&answer(one, empty()).expect("a calibration")));
+        near(&one, &other, 1e-6)
+    };
+    let piece = |seed: u64, rows: Range<usize>| piece(&made(seed % 3).recordings[0], rows);
+    testkit::partials_merge(8, 432, piece, same);
+}
+
+/// The camera in another mount: sensors stay as they are, and the head turns by as much.
+#[test]
+fn a_turned_camera_turns_its_head_alone() {
+    let document = made(4);
+    let turn = UnitQuaternion::from_euler_angles(0.4, -0.2, 1.0);
+    let mut turned = document.clone();
+    let columns_of = &mut turned.recordings[0].columns;
+    let parts = ["w", "x", "y", "z"].map(|part| format!("camera_1_{part}"));
+    let mut values = parts.each_ref().map(|part| columns_of[part].to_vec());
+    for row in 0..values[0].len() {
+        let [w, x, y, z] = [0, 1, 2, 3].map(|k| values[k][row]);
+        let q = turn.into_inner() * Quaternion::new(w, x, y, z);
+        for (column, value) in values.iter_mut().zip([q.w, q.i, q.j, q.k]) {
+            column[row] = value;
+        }
+    }
+    for (part, column) in parts.iter().zip(values) {
+        columns_of.insert(part.clone(), column.into());
+    }
+    let [one, other] = [document, turned].map(|one| run(one, &columns("geo")).expect("a calibration"));
+    // The boresight has other noise then: weights differ a little.
+    near(&sensors(&one), &sensors(&other), 0.5).expect("the same sensors");
+    let head = |document: &Document| {
+        let rows =
+            document.calibration.as_ref().and_then(|found| found.flight.as_ref()).expect("a flight").cameras
+                [0]
+            .rotation;
+        Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_fn(|i, j| rows[i][j]))
+    };
+    let between = head(&other) * head(&one).inverse() * turn.to_rotation_matrix().inverse();
+    assert!(between.angle() < 1e-4, "{}", between.angle());
+}
