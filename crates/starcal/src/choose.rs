@@ -31,7 +31,8 @@ pub fn choose<T: Copy + PartialEq>(
     candidates: &[(T, Vec<Direction>)],
     may: impl Fn(T, &[(T, f64)]) -> bool,
 ) -> Result<Chosen<T>, Error> {
-    let (mut terms, mut rivals): (Vec<(T, f64)>, Vec<(T, T, f64)>) = Default::default();
+    let mut terms: Vec<(T, f64)> = Vec::new();
+    let mut rivals = Vec::new();
     while terms.len() < MOST {
         let mut likely: Vec<(&(T, Vec<Direction>), f64)> = Vec::new();
         let weighted = flight.weighted(&fit.variances);
