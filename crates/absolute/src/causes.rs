@@ -87,8 +87,8 @@ pub fn explained(
 ) -> Result<(Vec<(Cause, f64)>, Mixture), Error> {
     let (count, columns) = (data.years.len(), follows.len());
     // On either side of a step are two measurements.
-    let steps = (2..count.saturating_sub(1)).map(Cause::Step);
-    let all: Vec<Cause> = steps
+    let places = 2..count.saturating_sub(1);
+    let all: Vec<Cause> = (places.clone().map(Cause::Step))
         .chain((0..if count > 3 { count } else { 0 }).map(Cause::Off))
         .chain((0..columns).map(Cause::Column))
         .collect();
@@ -107,7 +107,8 @@ pub fn explained(
                 let members = match cause {
                     Cause::Column(_) => columns,
                     Cause::Step(before) if stepped.contains(before) => 1,
-                    _ => count,
+                    Cause::Step(_) => places.len(),
+                    Cause::Off(_) => count,
                 };
                 (cause, factor, factor - (members as f64).ln())
             })

@@ -61,11 +61,16 @@ impl Celestial {
     }
 }
 
+/// TAI less UTC, s, at a time in s of UTC since 1970. None before 1972, where there were no leap seconds.
+pub fn leap_s(unix_s: f64) -> Option<f64> {
+    let (year, month, day, share) = sofars::cal::jd2cal(UNIX_EPOCH + (unix_s / DAY_S).floor(), 0.0).ok()?;
+    sofars::ts::dat(year, month, day, share).ok().filter(|_| unix_s >= 2.0 * 365.0 * DAY_S)
+}
+
 /// From ICRF to the celestial intermediate frame.
 fn intermediate(unix_s: f64) -> Option<Matrix3<f64>> {
     let days = (unix_s / DAY_S).floor();
-    let (year, month, day, share) = sofars::cal::jd2cal(UNIX_EPOCH + days, 0.0).ok()?;
-    let leap_s = sofars::ts::dat(year, month, day, share).ok().filter(|_| unix_s >= 2.0 * 365.0 * DAY_S)?;
+    let leap_s = leap_s(unix_s)?;
     let since = (unix_s - days * DAY_S + leap_s + TT_TAI_S) / DAY_S;
     let rows = sofars::pnp::c2i06a(UNIX_EPOCH + days, since);
     Some(Matrix3::from_fn(|i, j| rows[i][j]))

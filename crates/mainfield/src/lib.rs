@@ -3,7 +3,7 @@
 mod frames;
 mod harmonics;
 
-pub use frames::{Celestial, itrf_to_geo};
+pub use frames::{Celestial, itrf_to_geo, leap_s};
 pub use harmonics::{RADIUS_KM, synthesis};
 
 use std::fmt;

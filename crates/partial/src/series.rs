@@ -12,13 +12,22 @@ use crate::{Partial, merge};
 const HEAD: u64 = 1 << 20;
 
 /// How a stage makes statistics of the rows of a series.
-pub trait Series: Sync {
+pub trait Series: Clone + Sync {
     /// The statistics.
     type Partial: Partial;
     /// What takes rows.
     type Take: Take<Partial = Self::Partial>;
     /// The procedure whose recordings of a document are taken.
     const PROCEDURE: &'static str;
+
+    /// How the rows of a recording are taken, by what it states; None where it is not of the series.
+    ///
+    /// # Errors
+    ///
+    /// What it states that cannot be.
+    fn of_recording(&self, _recording: &Recording, _path: &str) -> Result<Option<Self>, Fault> {
+        Ok(Some(self.clone()))
+    }
 
     /// The columns that are wanted of those that there are, times first, and what takes them.
     ///
@@ -154,11 +163,14 @@ fn document<S: Series>(series: &S, path: &Path, text: &str) -> Result<S::Partial
         )));
     }
     let document = Document::parse(text).map_err(|error| of_file(error.to_string()))?;
-    let all = document.recordings.iter().enumerate();
-    let pieces: Vec<S::Partial> = all
-        .filter(|(_, recording)| recording.procedure == S::PROCEDURE)
-        .map(|(index, one)| recording(series, path, index, one))
-        .collect::<Result<_, _>>()?;
+    let mut pieces = Vec::new();
+    for (index, one) in document.recordings.iter().enumerate() {
+        if one.procedure == S::PROCEDURE
+            && let Some(series) = series.of_recording(one, &format!("recordings[{index}]"))?
+        {
+            pieces.push(recording(&series, path, index, one)?);
+        }
+    }
     if pieces.is_empty() {
         let procedure = S::PROCEDURE;
         return Err(of_file(format!(

@@ -4,7 +4,7 @@ use crate::Error;
 use crate::fit::{Fit, Flight};
 use crate::terms::Direction;
 use faer::linalg::solvers::Solve;
-use faer::{Col, Mat, Scale, Side};
+use faer::{Col, Mat, Side};
 
 /// ln of the posterior odds from which a term is taken.
 const TAKEN: f64 = 3.0;
@@ -33,6 +33,7 @@ pub fn choose<T: Copy + PartialEq>(
 ) -> Result<Chosen<T>, Error> {
     let mut terms: Vec<(T, f64)> = Vec::new();
     let mut rivals = Vec::new();
+    let mut still: Vec<T> = Vec::new();
     while terms.len() < MOST {
         let mut likely: Vec<(&(T, Vec<Direction>), f64)> = Vec::new();
         let weighted = flight.weighted(&fit.variances);
@@ -44,23 +45,25 @@ pub fn choose<T: Copy + PartialEq>(
             likely.extend(factor.filter(|factor| *factor > TAKEN).map(|factor| (candidate, factor)));
         }
         likely.sort_by(|a, b| b.1.total_cmp(&a.1));
+        still = likely.iter().map(|((term, _), _)| *term).collect();
         let many = (candidates.len() as f64).ln();
         let Some(((term, more), factor)) = likely.first().filter(|(_, factor)| factor - many > TAKEN) else {
             break;
         };
+        let longer = [&directions[..], more].concat();
+        let Ok(next) = flight.settled(&longer, &fit.variances) else { break };
         rivals.extend(likely[1..].iter().map(|((other, _), ln)| (*term, *other, *ln)));
         terms.push((*term, *factor));
-        directions.extend(more.iter().cloned());
-        fit = flight.settled(&directions, &fit.variances)?;
+        (directions, fit) = (longer, next);
     }
+    // Each once, where it was likeliest, and only what is not likely any more.
     rivals.sort_by(|a, b| b.2.total_cmp(&a.2));
-    let mut told: Vec<T> = Vec::new();
+    let mut told: Vec<T> = terms.iter().map(|(taken, _)| *taken).chain(still).collect();
     rivals.retain(|(_, other, _)| {
         let is_new = !told.contains(other);
         told.push(*other);
         is_new
     });
-    rivals.retain(|(_, other, _)| !terms.iter().any(|(taken, _)| taken == other));
     Ok(Chosen { terms, rivals, fit })
 }
 
@@ -69,16 +72,14 @@ pub fn choose<T: Copy + PartialEq>(
 /// and by many.
 fn log_bayes_factor(flight: &Flight, with: &Fit, own: usize) -> Option<f64> {
     let count = with.values.len() - own;
+    // Windows do not tell the covariance of as many parameters.
+    if 2 * count > flight.windows() {
+        return None;
+    }
     let part = |whole: &Mat<f64>| whole.submatrix(own, own, count, count).to_owned();
     let values = Col::from_fn(count, |k| with.values[own + k]);
-    let independent = part(&with.nominal);
     let of = |(covariance, freedom): (&Mat<f64>, f64)| {
-        let found = part(covariance);
-        // Of few windows the covariance of many parameters is drawn towards that of independent rows.
-        let alike = (0..count).map(|k| found[(k, k)] / independent[(k, k)]).sum::<f64>() / count as f64;
-        let drawn = count as f64 / (count + flight.windows()) as f64;
-        let all = &found * Scale(1.0 - drawn) + &independent * Scale(drawn * alike);
-        let squares = values.transpose() * all.llt(Side::Lower).ok()?.solve(&values);
+        let squares = values.transpose() * part(covariance).llt(Side::Lower).ok()?.solve(&values);
         let gain = (freedom + count as f64) * (squares / freedom).ln_1p();
         Some(0.5 * (gain - count as f64 * (flight.windows() as f64).ln()))
     };

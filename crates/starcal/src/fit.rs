@@ -7,6 +7,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Col, Mat, Side};
 
 use crate::Error;
+use crate::layout::{Layout, Signal};
 use crate::partial::{DELAYS, DIRECTIONS, PLACES, Partial, Products};
 use crate::terms::Direction;
 
@@ -14,6 +15,8 @@ use crate::terms::Direction;
 const ROUNDS: usize = 6;
 /// Directions of which the readings say less than this share of what they say of the others are not determined.
 const UNDETERMINED: f64 = 1e-10;
+/// The variance of the place with the most rows counts as so many rows.
+const DRAWN: f64 = 10.0;
 /// Least variance of a row, nT²: the products keep no more.
 const LEAST: f64 = 1e-4;
 
@@ -27,6 +30,8 @@ pub struct Flight<'a> {
     windows: Vec<(f64, &'a OfWindow)>,
     /// Half of the time that is covered, s.
     pub half_span_s: f64,
+    /// TAI less UTC in the middle of it, s.
+    pub leap_s: Option<f64>,
     /// Signals.
     pub count: usize,
 }
@@ -41,8 +46,6 @@ pub struct Fit {
     pub covariance: Mat<f64>,
     /// The same with few windows alike.
     pub short: Mat<f64>,
-    /// The same if rows were independent.
-    pub nominal: Mat<f64>,
 }
 
 /// Products of each window with the weights of all rows.
@@ -63,7 +66,8 @@ impl<'a> Flight<'a> {
         let half_span_s = (0.5 * (last - first)).max(1.0);
         let middle = 0.5 * (first + last);
         let windows = windows.into_iter().map(|(time, window)| ((time - middle) / half_span_s, window));
-        Self { windows: windows.collect(), half_span_s, count: partial.layout.signals(camera).len() }
+        let (leap_s, count) = (mainfield::leap_s(middle), partial.layout.signals(camera).len());
+        Self { windows: windows.collect(), half_span_s, leap_s, count }
     }
 
     /// How many windows there are.
@@ -139,6 +143,21 @@ impl<'a> Flight<'a> {
         self.windows.iter().zip(&weighted.0).map(of).collect()
     }
 
+    /// The mean of a signal.
+    pub fn mean(&self, layout: &Layout, signal: &Signal) -> f64 {
+        let signals = layout.signals(0);
+        let place = |of: &Signal| signals.iter().position(|one| one == of).unwrap_or_default();
+        let (one, of) = (place(&Signal::One), place(signal));
+        let [sum, rows] = [of, one].map(|place| {
+            self.weighted(&[[1.0; DIRECTIONS]; PLACES])
+                .0
+                .iter()
+                .map(|window| window[(one, place)])
+                .sum::<f64>()
+        });
+        sum / rows
+    }
+
     /// Rows of each kind.
     pub fn rows(&self) -> Kinds {
         let mut rows = Kinds::default();
@@ -157,8 +176,15 @@ impl<'a> Flight<'a> {
             let all = found.iter_mut().flatten().zip(window.iter().flatten());
             all.for_each(|(sum, products)| *sum += products.squares(&left));
         }
-        for (variance, rows) in found.iter_mut().flatten().zip(self.rows().iter().flatten()) {
-            *variance = (*variance / rows.max(1.0)).max(LEAST);
+        // Of few rows it is drawn towards that of the place with the most.
+        let rows = self.rows();
+        let most = usize::from(rows[1][0] > rows[0][0]);
+        let usual: [f64; DIRECTIONS] = std::array::from_fn(|k| found[most][k] / rows[most][k].max(1.0));
+        for (variances, rows) in found.iter_mut().zip(&rows) {
+            for (direction, variance) in variances.iter_mut().enumerate() {
+                let drawn = *variance + DRAWN * usual[direction];
+                *variance = (drawn / (rows[direction] + DRAWN)).max(LEAST);
+            }
         }
         found
     }
@@ -182,7 +208,7 @@ impl<'a> Flight<'a> {
         let (_, normals, whole, nominal) = step(&values)?;
         let moved = moved(&normals, &whole, &nominal);
         let [long, short] = self.lags().map(|lags| by_windows(&moved, &nominal, lags));
-        Ok(Fit { values, variances, covariance: long, short, nominal })
+        Ok(Fit { values, variances, covariance: long, short })
     }
 
     /// The fit with the weights that follow from it, from some that are near.
@@ -254,14 +280,14 @@ fn moved(normals: &[Normal], whole: &Normal, nominal: &Mat<f64>) -> Vec<Col<f64>
 }
 
 /// The covariance by these, windows up to some number apart being alike (W. K. Newey, K. D. West, Econometrica 55 (1987)
-/// 703); not below that of independent rows.
+/// 703). No variance is below that of independent rows, and of few windows the correlations are drawn towards those.
 fn by_windows(moved: &[Col<f64>], nominal: &Mat<f64>, lags: usize) -> Mat<f64> {
     let (count, all) = (moved.len(), nominal.nrows());
-    if count <= lags {
+    if count < 2 {
         return nominal.clone();
     }
     let mut sum = Mat::<f64>::zeros(all, all);
-    for lag in 0..=lags {
+    for lag in 0..=lags.min(count - 1) {
         let weight = 1.0 - lag as f64 / (lags + 1) as f64;
         for (one, other) in moved.iter().zip(&moved[lag..]) {
             let product = one * other.transpose();
@@ -269,6 +295,12 @@ fn by_windows(moved: &[Col<f64>], nominal: &Mat<f64>, lags: usize) -> Mat<f64> {
         }
     }
     let share = (count as f64 - 1.0) / count as f64;
-    let scale = |k: usize| (nominal[(k, k)] / (share * sum[(k, k)]).max(f64::MIN_POSITIVE)).sqrt().max(1.0);
-    Mat::from_fn(all, all, |i, j| share * sum[(i, j)] * scale(i) * scale(j))
+    let own = |k: usize| (share * sum[(k, k)]).max(f64::MIN_POSITIVE);
+    let std: Vec<f64> = (0..all).map(|k| own(k).max(nominal[(k, k)]).sqrt()).collect();
+    let drawn = all as f64 / (all + count) as f64;
+    Mat::from_fn(all, all, |i, j| {
+        let by_windows = share * sum[(i, j)] / (own(i) * own(j)).sqrt();
+        let independent = nominal[(i, j)] / (nominal[(i, i)] * nominal[(j, j)]).sqrt();
+        std[i] * std[j] * ((1.0 - drawn) * by_windows + drawn * independent)
+    })
 }

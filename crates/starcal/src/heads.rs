@@ -9,12 +9,14 @@ use crate::Error;
 use crate::axes::{Axes, nearest};
 use crate::choose::{Chosen, choose};
 use crate::fit::{Fit, Flight, Kinds};
-use crate::layout::{FIELD_NT, Layout};
+use crate::layout::Layout;
 use crate::partial::{DIRECTIONS, PLACES};
 use crate::terms::{Direction, Follows, Space, Term, twelve};
 
 /// Rounds in which the turn of a head settles.
 const ROUNDS: usize = 2;
+/// A matrix that is further from a rotation is none.
+const NOT_TURNED: f64 = 0.01;
 /// To begin with, all rows count alike.
 const ALIKE: Kinds = [[1.0; DIRECTIONS]; PLACES];
 
@@ -31,6 +33,8 @@ pub struct First {
 
 /// Another head.
 pub struct Head {
+    /// Its place among the cameras.
+    pub camera: usize,
     /// From the first to this one.
     pub turn: Rotation3<f64>,
     /// Of turns about its axes, arcsec².
@@ -63,6 +67,11 @@ pub fn first(flight: &Flight, layout: &Layout, stated: &Matrix3<f64>) -> Result<
 ///
 /// Errors: as [`first`].
 pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Error> {
+    if flight.rows().iter().flatten().sum::<f64>() == 0.0 {
+        return Err(Error::Unanswerable(
+            "it has no attitude at a time at which the first camera has one".into(),
+        ));
+    }
     let space = Space { signals: layout.signals(camera) };
     let zero = Vector3::zeros();
     let cross = |k: usize| -ARCSEC * Vector3::ith(k, 1.0).cross_matrix();
@@ -70,13 +79,16 @@ pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Err
     let nine: Vec<Direction> = (0..9)
         .map(|k| {
             let mut unit = Matrix3::zeros();
-            unit[(k % 3, k / 3)] = 1.0 / FIELD_NT;
+            unit[(k % 3, k / 3)] = 1.0;
             space.still(&unit, &zero)
         })
         .collect();
     let found = flight.settled(&nine, &ALIKE)?;
-    let free = Matrix3::from_column_slice(&found.values) / FIELD_NT;
+    let free = Matrix3::from_column_slice(&found.values);
     let mut turn = Rotation3::from_matrix_unchecked(nearest(&free));
+    if (free - turn.matrix()).norm() > NOT_TURNED {
+        return Err(Error::Unanswerable("its attitudes are not those of the first camera with one turn; check the order of its quaternions, their signs and their times".into()));
+    }
     let about = |turn: &Rotation3<f64>| -> Vec<Direction> {
         let turns = (0..3).map(|k| space.still(&(cross(k) * turn.matrix()), &zero));
         [space.still(turn.matrix(), &zero)].into_iter().chain(turns).collect()
@@ -95,5 +107,5 @@ pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Err
     let Chosen { terms, fit, .. } = choose(flight, (base, without), &candidates, |_, _| true)?;
     let by = Vector3::from_column_slice(&fit.values[1..4]) * -ARCSEC;
     let covariance = fit.covariance.submatrix(1, 1, 3, 3).to_owned();
-    Ok(Head { turn: Rotation3::from_scaled_axis(by) * turn, covariance, terms, fit })
+    Ok(Head { camera, turn: Rotation3::from_scaled_axis(by) * turn, covariance, terms, fit })
 }

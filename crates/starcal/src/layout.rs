@@ -9,10 +9,14 @@ use serde::{Deserialize, Serialize};
 pub const FIELD_NT: f64 = 50_000.0;
 pub const WARM_C: f64 = 20.0;
 pub const WARM_K: f64 = 10.0;
+/// Harmonics of the Sun's direction that are looked at: to the second degree.
+pub const SUN: usize = 9;
 /// Most star cameras.
 pub const CAMERAS: usize = 3;
 /// Most temperatures and currents that are looked at.
 const MOST: usize = 6;
+/// The frames from which attitudes may turn.
+pub const FRAMES: [&str; 3] = ["geo", "itrf", "icrf"];
 /// The parts of a quaternion.
 pub const PARTS: [&str; 4] = ["w", "x", "y", "z"];
 
@@ -83,7 +87,9 @@ impl Layout {
         }
         let named = |ends: fn(&str) -> bool| {
             let mut names: Vec<String> = there.iter().filter(|name| ends(name)).cloned().collect();
-            names.sort();
+            // Those of the sensors and the electronics first, for which there are effects.
+            let is_other = |name: &str| !["sensor_", "electronics_"].iter().any(|own| name.starts_with(own));
+            names.sort_by(|a, b| is_other(a).cmp(&is_other(b)).then(a.cmp(b)));
             names.truncate(MOST);
             names
         };
@@ -134,7 +140,7 @@ impl Layout {
         all.extend((0..self.temperatures.len()).map(Signal::Warmth).chain(warm));
         all.extend((0..self.currents.len()).map(Signal::Current));
         if self.sun {
-            all.extend((0..SUN_HARMONICS).map(Signal::Sun));
+            all.extend((0..SUN).map(Signal::Sun));
         }
         all
     }
@@ -173,13 +179,14 @@ impl Layout {
         };
         if let Some(direction) = sun {
             let seen = if lit == 0.0 { [0.0; SUN_HARMONICS] } else { sun_harmonics(direction) };
-            signals.extend(seen.map(|seen| seen * lit));
+            signals.extend(seen[..SUN].iter().map(|seen| seen * lit));
         }
         let kp = if self.kp { next()? } else { 0.0 };
         let ambient_nt = if self.ambient { Some(Vector3::new(next()?, next()?, next()?)) } else { None };
         let place = if self.place { Some([next()?, next()?, next()?]) } else { None };
         let known = ambient_nt.iter().flatten().chain(place.iter().flatten());
-        let is_whole = known.chain(&signals).all(|value| value.is_finite()) && kp.is_finite();
+        let is_whole = known.chain(&signals).all(|value| value.is_finite());
+        let kp = if kp.is_nan() { 0.0 } else { kp };
         is_whole.then_some(Row { time_s, readings, attitudes, signals, warmth, kp, ambient_nt, place })
     }
 }

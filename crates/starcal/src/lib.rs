@@ -33,7 +33,7 @@ pub use taking::Columns;
 pub use words::summary;
 
 use ::partial::{Series, Take, merge};
-use common::{Document, Recording, procedure};
+use common::{Code, Document, Findings, Recording, procedure};
 use physics::{Basic, Unit};
 
 use crate::fit::Flight;
@@ -54,7 +54,7 @@ pub fn run(document: Document, columns: &Columns) -> Result<Document, Error> {
         }
         let path = format!("recordings[{index}]");
         recording.at_hand(&path)?;
-        if recording.columns.contains_key("camera_1_w") {
+        if columns.of_recording(recording, &path)?.is_some() {
             pieces.push(piece(recording, &path, columns)?);
             ids.push(recording.id.clone());
         }
@@ -70,19 +70,13 @@ pub fn run(document: Document, columns: &Columns) -> Result<Document, Error> {
 }
 
 fn piece(recording: &Recording, path: &str, columns: &Columns) -> Result<Partial, Error> {
-    let there: Vec<String> = recording.columns.keys().cloned().collect();
-    let mut columns = columns.clone();
-    if let Some(frame) = recording.conditions.extra.get("attitude_frame") {
-        let known = ["geo", "itrf", "icrf"];
-        let frame = frame.as_str().filter(|frame| known.contains(frame)).ok_or_else(|| {
-            Error::document(
-                format!("{path}.conditions.attitude_frame"),
-                frame.to_string(),
-                "\"geo\", \"itrf\" or \"icrf\"",
-            )
-        })?;
-        columns.frame = frame.into();
-    }
+    // A column without any value says nothing.
+    let known = |name: &&String| {
+        let values = recording.column(name).unwrap_or_default();
+        name.starts_with("camera_") || values.iter().any(|value| value.is_finite())
+    };
+    let there: Vec<String> = recording.columns.keys().filter(known).cloned().collect();
+    let columns = columns.of_recording(recording, path)?.unwrap_or_else(|| columns.clone());
     let (names, mut taking) = columns
         .begin(&there)
         .map_err(|missing| Error::document(format!("{path}.columns"), there.join(", "), missing))?;
@@ -105,15 +99,29 @@ fn piece(recording: &Recording, path: &str, columns: &Columns) -> Result<Partial
 /// As [`run`].
 pub fn answer(partial: &Partial, mut document: Document) -> Result<Document, Error> {
     mistakes::check(partial)?;
+    if let Some(model) = &mut document.model {
+        // What was found before is found anew.
+        model.effects.retain(|effect| effect.extra.get("found_by").is_none_or(|by| by != "starcal"));
+        if let Some(effect) = model.effects.first() {
+            let expected =
+                "no effects but those that starcal found, as it cannot subtract others; leave them out";
+            return Err(Error::document("model.effects", format!("\"{}\"", effect.effect), expected));
+        }
+    }
     let stated = Basic::found(&document, Unit::Nanotesla).mu;
     let flight = Flight::of(partial, 0);
     let first = heads::first(&flight, &partial.layout, &stated)?;
-    let others = 1..partial.layout.cameras.len();
-    let others = others.map(|camera| {
+    let (mut others, mut findings) = (Vec::new(), Findings::default());
+    for camera in 1..partial.layout.cameras.len() {
         let flight = Flight::of(partial, camera);
-        heads::head(&flight, &partial.layout, camera).map(|head| (flight, head))
-    });
-    let others = others.collect::<Result<Vec<_>, _>>()?;
-    result::put(&mut document, partial, (&flight, &first), &others, &stated)?;
+        match heads::head(&flight, &partial.layout, camera) {
+            Ok(head) => others.push((flight, head)),
+            Err(why) => {
+                let number = partial.layout.cameras[camera];
+                findings.push(Code::NotDetermined.said(format!("camera_{number} is left out: {why}")));
+            }
+        }
+    }
+    result::put(&mut document, partial, (&flight, &first), &others, (&stated, findings))?;
     Ok(document)
 }

@@ -79,7 +79,7 @@ struct Options {
     #[arg(long, value_parser = model, default_value = "igrf14")]
     field_model: Model,
     /// UT1 less UTC, s, for attitudes from icrf (IERS Bulletin A)
-    #[arg(long, value_name = "S", value_parser = program::number::finite, default_value = "0", allow_hyphen_values = true)]
+    #[arg(long, value_name = "S", value_parser = ut1, default_value = "0", allow_hyphen_values = true)]
     ut1_utc_s: f64,
 }
 
@@ -96,6 +96,15 @@ enum Frame {
 fn model(text: &str) -> Result<Model, String> {
     let known = Model::ALL.map(Model::name).join(" or ");
     Model::ALL.into_iter().find(|model| model.name() == text).ok_or(format!("expected {known}"))
+}
+
+fn ut1(text: &str) -> Result<f64, String> {
+    let found = program::number::finite(text)?;
+    if found.abs() <= 1.0 {
+        Ok(found)
+    } else {
+        Err("expected seconds within ±1; is it in milliseconds?".into())
+    }
 }
 
 impl Options {

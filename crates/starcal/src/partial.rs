@@ -7,7 +7,7 @@ use partial::{Covered, MOST};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-use crate::layout::Layout;
+use crate::layout::{CAMERAS, FRAMES, Layout};
 use crate::sample::Sample;
 
 /// Most windows; when there are more, all become twice as wide.
@@ -174,9 +174,13 @@ impl partial::Partial for Partial {
         let widths: Vec<usize> = (0..self.layout.cameras.len()).map(|camera| self.width(camera)).collect();
         let products = |one: &Products, width: usize| {
             let count = if one.rows > 0.0 { width * (width + 1) / 2 } else { 0 };
-            one.sums.len() == count && one.sums.iter().all(|sum| sum.is_finite())
+            one.sums.len() == count && one.rows.is_finite() && one.sums.iter().all(|sum| sum.is_finite())
         };
-        self.covered.is_whole()
+        let cameras = &self.layout.cameras;
+        !cameras.is_empty()
+            && cameras.iter().all(|camera| (1..=CAMERAS).contains(camera))
+            && FRAMES.contains(&self.layout.frame.as_str())
+            && self.covered.is_whole()
             && self.sample.is_whole()
             && (FIRST..64).contains(&self.exponent)
             && self.windows.values().all(|window| {

@@ -1,6 +1,6 @@
 //! What was found, as the document has it.
 
-use common::number::significant;
+use common::number::{counted, significant};
 use common::uncertainty::{self, Block};
 use common::{
     AdoptedEffect, Axis, Code, Document, Findings, FlightCalibration, FlightCamera, FlightResidual,
@@ -13,7 +13,7 @@ use physics::frames;
 use crate::Error;
 use crate::fit::{Fit, Flight, Kinds};
 use crate::heads::{First, Head};
-use crate::layout::{Layout, WARM_C};
+use crate::layout::{Layout, Signal, WARM_C, WARM_K};
 use crate::partial::Partial;
 use crate::terms::{Follows, Term};
 use crate::values::Values;
@@ -31,7 +31,7 @@ pub fn put(
     partial: &Partial,
     (flight, first): (&Flight, &First),
     others: &[(Flight, Head)],
-    stated: &Matrix3<f64>,
+    (stated, mut findings): (&Matrix3<f64>, Findings),
 ) -> Result<(), Error> {
     let layout = &partial.layout;
     let heads: Vec<&Head> = others.iter().map(|(_, head)| head).collect();
@@ -40,22 +40,16 @@ pub fn put(
     let mut values = Values::of(first, &heads, stated).ok_or_else(flat)?;
     let [freedom, _] = flight.freedom();
     let factor = stats::coverage_factor(0.95, freedom);
-    let own = values.joint();
-    let quantity = |place: usize| {
-        Quantity::new(values.values[place], own[(place, place)].max(0.0).sqrt()).covered_by(factor)
-    };
-    let sensors = [0, 1, 2].map(|k| [quantity(k), quantity(3 + k)]);
-    let angles: Vec<[Quantity; 3]> =
-        (0..=others.len()).map(|camera| [0, 1, 2].map(|k| quantity(Values::angle(camera, k)))).collect();
 
     // Terms, and those that are effects of the catalogue.
     let day = DAY_S / flight.half_span_s;
-    let (mut at, mut told, mut adopted, mut findings) = (12, Vec::new(), Vec::new(), Findings::default());
+    let (mut at, mut told, mut adopted) = (12, Vec::new(), Vec::new());
     for (term, log_bayes_factor) in &first.terms {
         let names = term.parameters(layout, day);
         let parameters = parameters(&first.fit, at, &names, factor);
         let mut place = at;
         let effects = effects(*term, layout, &parameters);
+        held(document, flight, layout, &mut values, (*term, at, &parameters));
         for effect in &effects {
             for (name, _) in effect.parameters.iter().filter(|(_, size)| size.std().is_some()) {
                 values.add(uncertainty::effect(effect, name), place);
@@ -72,7 +66,7 @@ pub fn put(
             log_bayes_factor: *log_bayes_factor,
             ..FlightTerm::default()
         };
-        findings.extend(words::delay(*term, &one));
+        findings.extend(words::delay(*term, &one, flight.leap_s));
         told.push(one);
     }
     for (taken, other, factor) in &first.rivals {
@@ -85,9 +79,13 @@ pub fn put(
         );
         findings.push(Code::Ambiguous.said(words));
     }
-    for (number, (_, head)) in others.iter().enumerate() {
-        told.extend(head_terms(head, layout, number + 1, day, factor));
+    for (_, head) in others {
+        told.extend(head_terms(head, layout, day, factor));
     }
+    let own = values.joint();
+    let quantity = |place: usize| {
+        Quantity::new(values.values[place], own[(place, place)].max(0.0).sqrt()).covered_by(factor)
+    };
 
     let mut joint = Uncertainty::of(document)?;
     let block = Block {
@@ -104,11 +102,11 @@ pub fn put(
 
     let calibration = document.calibration.get_or_insert_default();
     let written = calibration.sensors.get_or_insert_default();
-    for (axis, [k, offset]) in Axis::ALL.into_iter().zip(sensors) {
+    for axis in Axis::ALL {
         let paths = [uncertainty::sensitivity(axis, "nt"), uncertainty::sensor_offset(axis)];
         let sensor = written.entry(axis).get_or_insert_default();
-        sensor.sensitivity_nt_per_nt = Some(k);
-        sensor.offset_nt = Some(offset);
+        sensor.sensitivity_nt_per_nt = Some(quantity(axis.index()));
+        sensor.offset_nt = Some(quantity(3 + axis.index()));
         sensor.covariance = Some(covariance::rows(&joint.covariance(&paths)));
         sensor.covariance_order = Some(vec!["sensitivity_nt_per_nt".into(), "offset_nt".into()]);
     }
@@ -121,38 +119,39 @@ pub fn put(
     written.cross_covariance = None;
     calibration.uncertainty = Some(joint);
 
+    let all = partial.rows + partial.missing + partial.blind + partial.odd;
     let rest = [
         (partial.missing, "lack a value"),
         (partial.blind, "have no attitude of the first camera"),
         (partial.odd, "have no unit quaternion, or a magnitude that is not that of the field"),
     ];
     for (count, what) in rest.into_iter().filter(|(count, _)| *count > 0) {
-        let words = format!("{count} of {} rows {what} and are left out", count + partial.rows);
-        findings.push(Code::MissingSamples.said(words));
+        findings.push(Code::MissingSamples.said(format!("{count} of {all} rows {what} and are left out")));
     }
     if flight.windows() < FEW {
-        let count = flight.windows();
-        let words = format!("{count} windows of time are few for an uncertainty; record more of the flight");
+        let windows = counted(flight.windows(), "window");
+        let words =
+            format!("uncertainties are by {windows} of time, which is few; record more of the flight");
         findings.push(Code::TooFewDegreesOfFreedom.said(words));
     }
-    let camera = |(number, angles_deg): (usize, [Quantity; 3])| {
+    let camera = |number: usize| {
         let other = number.checked_sub(1).map(|other| &others[other]);
-        let (rows, variances) = match other {
-            Some((flight, head)) => (flight.rows(), &head.fit.variances),
-            None => (flight.rows(), &first.fit.variances),
+        let (rows, variances, place) = match other {
+            Some((flight, head)) => (flight.rows(), &head.fit.variances, head.camera),
+            None => (flight.rows(), &first.fit.variances, 0),
         };
         let std = |head: &Head| [0, 1, 2].map(|k| head.covariance[(k, k)].sqrt());
         FlightCamera {
-            camera: format!("camera_{}", layout.cameras[number]),
+            camera: format!("camera_{}", layout.cameras[place]),
             rotation: frames::rows(&values.heads[number]),
-            angles_deg,
-            turn_std_arcsec: values.turns(number),
+            angles_deg: [0, 1, 2].map(|k| quantity(Values::angle(number, k))),
+            turn_std_arcsec: values.turn_std(number),
             against_first_std_arcsec: other.map(|(_, head)| std(head)),
             residuals: residuals(&rows, variances),
             ..FlightCamera::default()
         }
     };
-    let cameras = angles.into_iter().enumerate().map(camera).collect();
+    let cameras = (0..=others.len()).map(camera).collect();
     calibration.flight = Some(Box::new(FlightCalibration {
         frame: layout.frame.clone(),
         field: layout.field.clone(),
@@ -171,37 +170,40 @@ pub fn put(
     Ok(())
 }
 
-/// Puts effects into the model. Constants hold at 20 °C, or are moved to the temperature that the document states.
-fn adopt(document: &mut Document, adopted: Vec<AdoptedEffect>) {
-    let calibration = document.calibration.get_or_insert_default();
-    for effect in &adopted {
-        let Some(of) = effect.effect.strip_suffix("_temperature") else { continue };
-        let references = calibration.reference_conditions.get_or_insert_default();
-        let reference = if of.ends_with("_electronics") {
-            &mut references.electronics_temperature_c
-        } else {
-            &mut references.sensor_temperature_c
-        };
-        let warmer = *reference.get_or_insert(WARM_C) - WARM_C;
-        let sensor = effect.sensor.zip(calibration.sensors.as_mut());
-        let (Some((axis, sensors)), Some(size)) = (sensor, effect.parameters.values().next()) else {
-            continue;
-        };
-        let sensor = sensors.entry(axis).get_or_insert_default();
-        let (by, is_offset) = (warmer * size.value(), of.starts_with("offset"));
-        let place = if is_offset { &mut sensor.offset_nt } else { &mut sensor.sensitivity_nt_per_nt };
-        if let Some(before) = place.take() {
-            let value = before.value();
-            let value = if is_offset { value - by } else { value / (1.0 + 1e-6 * by) };
-            let factor = before.coverage_factor_95().unwrap_or(1.96);
-            *place = Some(Quantity::new(value, before.std().unwrap_or(0.0)).covered_by(factor));
-        }
+/// Moves scale factors and offsets to the temperature at which they are to hold: the one that the document states, or the
+/// mean of the flight, which is stated then.
+fn held(
+    document: &mut Document,
+    flight: &Flight,
+    layout: &Layout,
+    values: &mut Values,
+    (term, at, parameters): (Term, usize, &[(String, Quantity)]),
+) {
+    let (follows, is_offset) = match term {
+        Term::Offset(follows) => (follows, true),
+        Term::Scale(follows) => (follows, false),
+        _ => return,
+    };
+    let Follows::Temperature(number) = follows else { return };
+    let references =
+        document.calibration.get_or_insert_default().reference_conditions.get_or_insert_default();
+    let reference = if layout.temperatures[number].starts_with("electronics") {
+        &mut references.electronics_temperature_c
+    } else {
+        &mut references.sensor_temperature_c
+    };
+    let mean = || WARM_C + WARM_K * flight.mean(layout, &Signal::Warmth(number));
+    let warmer = *reference.get_or_insert_with(mean) - WARM_C;
+    for (k, (_, size)) in parameters.iter().enumerate() {
+        let rate = if is_offset { -warmer } else { -1e-6 * warmer * values.values[k] };
+        values.shift(if is_offset { 3 + k } else { k }, rate * size.value(), at + k, rate);
     }
+}
+
+/// Puts effects into the model.
+fn adopt(document: &mut Document, adopted: Vec<AdoptedEffect>) {
     if !adopted.is_empty() {
-        let model = &mut document.model.get_or_insert_default().effects;
-        let of = |one: &AdoptedEffect| (one.effect.clone(), one.sensor, one.column.clone());
-        model.retain(|one| !adopted.iter().any(|other| of(one) == of(other)));
-        model.extend(adopted);
+        document.model.get_or_insert_default().effects.extend(adopted);
     }
 }
 
@@ -215,11 +217,11 @@ fn parameters(fit: &Fit, at: usize, names: &[(String, f64)], factor: f64) -> Vec
 }
 
 /// The terms of another head.
-fn head_terms(head: &Head, layout: &Layout, camera: usize, day: f64, factor: f64) -> Vec<FlightTerm> {
+fn head_terms(head: &Head, layout: &Layout, day: f64, factor: f64) -> Vec<FlightTerm> {
     let of = |(number, (follows, log_bayes_factor)): (usize, &(Follows, f64))| FlightTerm {
         term: words::turn(*follows, "this camera", "the first"),
         column: follows.column(layout).map(String::from),
-        camera: Some(format!("camera_{}", layout.cameras[camera])),
+        camera: Some(format!("camera_{}", layout.cameras[head.camera])),
         parameters: parameters(&head.fit, 4 + 3 * number, &follows.parameters("arcsec", day), factor)
             .into_iter()
             .collect(),
@@ -248,7 +250,7 @@ fn effects(term: Term, layout: &Layout, parameters: &[(String, Quantity)]) -> Ve
             single.map(|(axis, (_, size))| of(Some(axis), None, &[(name.clone(), size.clone())])).collect()
         }
         Term::Current(_) => vec![of(None, term.column(layout), parameters)],
-        // The first degree is an effect of its own.
+        // The first degree is an effect of its own, and there are no higher ones.
         Term::SunBeyond => {
             let known = |name: String| {
                 let found = parameters.iter().find(|(own, _)| *own == name);

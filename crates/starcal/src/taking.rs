@@ -1,16 +1,18 @@
 //! Rows become products: d = M y + m₀ + …, the field in the frame of a camera by what the sensors read.
 
-use common::procedure;
+use common::{Recording, procedure};
 use mainfield::Model;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use partial::{Covered, Error as Fault, Series, Take};
 
 use crate::field::{Fields, Known};
-use crate::layout::{CAMERAS, FIELD_NT, Layout, Row};
+use crate::layout::{CAMERAS, FIELD_NT, FRAMES, Layout, Row};
 use crate::partial::{DELAYS, DIRECTIONS, Error, PLACES, Partial};
 
 /// Rows further apart tell nothing of how field and attitude change, s.
 const LONGEST_STEP_S: f64 = 60.0;
+/// Times are of a clock within some thousand years, s.
+const FURTHEST_S: f64 = 1e11;
 /// Beyond this Kp, rows count as disturbed.
 const QUIET_KP: f64 = 2.0;
 /// Rows of which the magnitude differs from that of the field by more than this share are left out.
@@ -33,6 +35,21 @@ impl Series for Columns {
     type Partial = Partial;
     type Take = Statistics;
     const PROCEDURE: &'static str = procedure::FREE_RUN;
+
+    /// Recordings with a star camera, with the frame that each states.
+    fn of_recording(&self, recording: &Recording, path: &str) -> Result<Option<Self>, common::Error> {
+        if !recording.columns.keys().any(|name| name.starts_with("camera_")) && recording.table.is_none() {
+            return Ok(None);
+        }
+        let Some(frame) = recording.conditions.extra.get("attitude_frame") else {
+            return Ok(Some(self.clone()));
+        };
+        let known = frame.as_str().filter(|frame| FRAMES.contains(frame)).ok_or_else(|| {
+            let path = format!("{path}.conditions.attitude_frame");
+            common::Error::document(path, frame.to_string(), "\"geo\", \"itrf\" or \"icrf\"")
+        })?;
+        Ok(Some(Self { frame: known.into(), ..self.clone() }))
+    }
 
     fn begin(&self, there: &[String]) -> Result<(Vec<String>, Statistics), String> {
         let layout = Layout::of(there, &self.frame, &self.model.to_string())?;
@@ -87,13 +104,16 @@ impl Statistics {
         if time_s <= self.last_s {
             return Err(Fault::Backwards { row: number, time_s }.into());
         }
+        if time_s.abs() > FURTHEST_S {
+            let expected = "seconds of a clock; is it in another unit?".into();
+            return Err(Error::NoField { row: number, found: format!("a time of {time_s} s"), expected });
+        }
         if number == 0 {
             self.first_s = time_s;
         }
         self.taken += 1;
         self.last_s = time_s;
-        let row = self.partial.layout.row(values).filter(|row| row.readings.iter().all(|b| b.is_finite()));
-        let Some(row) = row else {
+        let Some(row) = self.partial.layout.row(values) else {
             self.partial.missing += 1;
             return Ok(());
         };
@@ -122,10 +142,11 @@ impl Statistics {
 
     /// Adds the rows of a moment, one for each camera and direction.
     fn add(&mut self, moment: &Moment, next: Option<&Moment>) {
-        let window = self.partial.window(moment.row.time_s);
-        if window != self.window {
+        let time_s = moment.row.time_s;
+        if self.partial.window(time_s) != self.window {
             self.multiply();
-            self.window = window;
+            // Windows may be wider now.
+            self.window = self.partial.window(time_s);
         }
         let frame = self.partial.layout.frame.clone();
         let place = usize::from(moment.known.is_polar() || moment.row.kp > QUIET_KP);

@@ -7,7 +7,7 @@ use physics::frames::ARCSEC;
 use physics::{Kind, SUN_HARMONICS};
 
 use crate::axes::Axes;
-use crate::layout::{FIELD_NT, Layout, Signal, WARM_K};
+use crate::layout::{FIELD_NT, Layout, SUN, Signal, WARM_K};
 
 /// Harmonics of the Sun's direction in the order of the effect of the first degree: lit, cosine, sine, up.
 const FIRST_DEGREE: [usize; 4] = [0, 2, 3, 1];
@@ -46,7 +46,7 @@ pub enum Term {
     Scale(Follows),
     /// The field of a current.
     Current(usize),
-    /// The field of the Sun's direction, to the first degree, and beyond that to the fourth.
+    /// The field of the Sun's direction, to the first degree, and that of the second.
     Sun,
     SunBeyond,
     /// The readings, the attitudes or the rotation of the Earth are of another moment.
@@ -114,8 +114,8 @@ impl Term {
             Self::Current(_) => Axis::ALL.map(|axis| (format!("{axis}_nt_per_a"), 1.0)).to_vec(),
             Self::Sun | Self::SunBeyond => {
                 let infos = self.kind(layout).map_or(&[][..], |kind| kind.parameters());
-                let beyond =
-                    |(k, _): &(usize, _)| self == Self::Sun || k % SUN_HARMONICS >= FIRST_DEGREE.len();
+                let degrees = if self == Self::Sun { 0..SUN_HARMONICS } else { FIRST_DEGREE.len()..SUN };
+                let beyond = |(k, _): &(usize, _)| degrees.contains(&(k % SUN_HARMONICS));
                 let all = infos.iter().enumerate().filter(beyond);
                 all.map(|(_, info)| (info.name.to_string(), 1.0)).collect()
             }
@@ -156,7 +156,7 @@ impl Term {
             }
             Self::Current(number) => field(Signal::Current(number)).to_vec(),
             Self::Sun | Self::SunBeyond => {
-                let beyond: Vec<usize> = (FIRST_DEGREE.len()..SUN_HARMONICS).collect();
+                let beyond: Vec<usize> = (FIRST_DEGREE.len()..SUN).collect();
                 let places = if self == Self::Sun { &FIRST_DEGREE[..] } else { &beyond };
                 let by_axis =
                     |k: usize| places.iter().map(move |place| field(Signal::Sun(*place))[k].clone());
@@ -233,4 +233,32 @@ pub fn twelve(count: usize) -> Vec<Direction> {
     let place = |k: usize| (k / 4) * count + k % 4;
     let of = |k: usize| Direction { coefficients: vec![(place(k), 1.0)], by_time: false };
     (0..12).map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_parameter_has_a_direction() {
+        let words = |text: &str| text.split(' ').map(String::from).collect();
+        let layout = Layout {
+            frame: "icrf".into(),
+            cameras: vec![1],
+            temperatures: words("electronics_temperature_c bench_temperature_c"),
+            currents: words("panel_a torquer_a"),
+            sun: true,
+            ..Layout::default()
+        };
+        let twelve: Vec<f64> = (0..12).map(|k| if k % 5 == 0 { FIELD_NT } else { 0.1 * k as f64 }).collect();
+        let axes = Axes::of(&twelve, &Matrix3::identity()).expect("axes");
+        let all = Term::all(&layout);
+        assert_eq!(all.len(), 14, "{all:?}");
+        for term in all {
+            let (names, directions) = (term.parameters(&layout, 1.0), term.directions(&layout, &axes));
+            assert_eq!(names.len(), directions.len(), "{term:?}");
+            let space = 3 * layout.signals(0).len() + crate::partial::DELAYS;
+            assert!(directions.iter().flat_map(|one| &one.coefficients).all(|(place, _)| *place < space));
+        }
+    }
 }

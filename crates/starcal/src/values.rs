@@ -22,6 +22,8 @@ pub struct Values {
     pub covariance: Mat<f64>,
     /// SEN to each head.
     pub heads: Vec<Matrix3<f64>>,
+    /// How each head turns about its axes, arcsec, with the same as `moves`.
+    turns: Vec<Mat<f64>>,
 }
 
 impl Values {
@@ -43,6 +45,7 @@ impl Values {
         let (count, all) = (fit.values.len(), fit.values.len() + 3 * others.len());
         let largest = twelve.iter().fold(0.0f64, |most, value| most.max(value.abs()));
         let mut moves = Mat::zeros(found.len(), all);
+        let mut turned = vec![Mat::zeros(3, all); heads.len()];
         for k in (0..12).chain(count..all) {
             let at = |sign: f64| {
                 let (mut twelve, mut turns) = (twelve.to_vec(), turns.clone());
@@ -54,13 +57,19 @@ impl Values {
                 }
                 values(&twelve, &turns)
             };
-            let ((up, _), (down, _)) = at(1.0).zip(at(-1.0))?;
+            let ((up, above), (down, below)) = at(1.0).zip(at(-1.0))?;
             let step = if k < 12 { STEP * largest } else { STEP / ARCSEC };
             for (row, (up, down)) in up.iter().zip(&down).enumerate() {
                 // Angles may pass ±180°.
                 let moved =
                     if row >= ANGLES { (up - down + 180.0).rem_euclid(360.0) - 180.0 } else { up - down };
                 moves[(row, k)] = moved / (2.0 * step);
+            }
+            for (turned, (above, below)) in turned.iter_mut().zip(above.iter().zip(&below)) {
+                // A small turn.
+                let m = above * below.transpose();
+                let between = [m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]];
+                (0..3).for_each(|axis| turned[(axis, k)] = between[axis] / ARCSEC / (4.0 * step));
             }
         }
         let mut covariance = Mat::zeros(all, all);
@@ -76,7 +85,7 @@ impl Values {
             (0..3).map(move |k| format!("calibration.flight.cameras[{camera}].angles_deg[{k}]"))
         };
         names.extend((0..heads.len()).flat_map(head));
-        Some(Self { names, values: found, moves, covariance, heads })
+        Some(Self { names, values: found, moves, covariance, heads, turns: turned })
     }
 
     /// Adds a value of the fit itself, by its place and unit.
@@ -101,19 +110,15 @@ impl Values {
         (&joint + joint.transpose()) * faer::Scale(0.5)
     }
 
+    /// Moves a number by a value of the fit, by its place there.
+    pub fn shift(&mut self, number: usize, by: f64, place: usize, rate: f64) {
+        self.values[number] += by;
+        self.moves[(number, place)] += rate;
+    }
+
     /// Standard uncertainties of turns of a head about its axes, arcsec.
-    pub fn turns(&self, camera: usize) -> [f64; 3] {
-        let first = ANGLES + 3 * camera;
-        let own = self.moves.subrows(first, 3);
-        let degrees = own * &self.covariance * own.transpose();
-        let covariance = Matrix3::from_fn(|i, j| degrees[(i, j)]);
-        let head = &self.heads[camera];
-        let by = [0, 1, 2].map(|k| {
-            let turned = Rotation3::from_scaled_axis(Vector3::ith(k, ARCSEC)).into_inner() * head;
-            Vector3::from(angles(&turned)) - Vector3::from(angles(head))
-        });
-        let Some(inverse) = Matrix3::from_columns(&by).try_inverse() else { return [f64::NAN; 3] };
-        let turned = inverse * covariance * inverse.transpose();
+    pub fn turn_std(&self, camera: usize) -> [f64; 3] {
+        let turned = &self.turns[camera] * &self.covariance * self.turns[camera].transpose();
         [0, 1, 2].map(|k| turned[(k, k)].max(0.0).sqrt())
     }
 

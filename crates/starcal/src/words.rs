@@ -5,9 +5,6 @@ use common::{Code, Document, Finding, FlightTerm, Quantity};
 
 use crate::terms::{Follows, Term};
 
-/// Leap seconds of GPS, and those of TAI: times that differ from UTC by as much are of those.
-const SCALES: [(f64, &str); 2] = [(18.0, "GPS time"), (37.0, "TAI")];
-
 /// A term in words.
 pub fn term(term: Term) -> String {
     match term {
@@ -16,7 +13,7 @@ pub fn term(term: Term) -> String {
         Term::Scale(what) => format!("the scale factors change {}", follows(what)),
         Term::Current(_) => "the field of a current".into(),
         Term::Sun => "a field that depends on the direction of the Sun".into(),
-        Term::SunBeyond => "the same beyond the first degree".into(),
+        Term::SunBeyond => "the same to the second degree".into(),
         Term::Readings => "the readings are of another moment".into(),
         Term::Attitude => "the attitudes are of another moment".into(),
         Term::Earth => "the times are not UTC".into(),
@@ -36,7 +33,7 @@ fn follows(what: Follows) -> &'static str {
 }
 
 /// What to do about clocks.
-pub fn delay(term: Term, found: &FlightTerm) -> Option<Finding> {
+pub fn delay(term: Term, found: &FlightTerm, leap_s: Option<f64>) -> Option<Finding> {
     let (_, size) = found.parameters.first()?;
     let late = if size.value() > 0.0 { "late" } else { "early" };
     let by = abs(size);
@@ -48,7 +45,9 @@ pub fn delay(term: Term, found: &FlightTerm) -> Option<Finding> {
             format!("the attitudes are {by} s {late}: correct their times; the fit allows for it")
         }
         Term::Earth => {
-            let scale = SCALES.iter().find(|(s, _)| (size.value() + s).abs() < 1.0);
+            // GPS time had that of TAI less UTC in 1980, 19 s.
+            let scales = leap_s.map(|leap| [(leap - 19.0, "GPS time"), (leap, "TAI")]);
+            let scale = scales.iter().flatten().find(|(s, _)| (size.value() + s).abs() < 1.0);
             let scale = scale.map_or_else(
                 || "check the time scale, and UT1 less UTC".to_string(),
                 |(s, name)| format!("they seem to be {name}, {s} s more than UTC"),
@@ -78,7 +77,7 @@ pub fn summary(document: &Document) -> String {
         significant(flight.window_s / 3600.0, 2),
         flight.field,
         significant(flight.rms_nt, 3),
-        if flight.terms.is_empty() {
+        if flight.terms.iter().all(|term| term.camera.is_some()) {
             String::new()
         } else {
             format!(", {} without what follows", significant(flight.rms_without_terms_nt, 3))

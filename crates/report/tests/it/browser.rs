@@ -12,7 +12,7 @@ use std::net::TcpListener;
 use std::path::Path;
 use std::process::Command;
 
-const CASES: [&str; 9] = [
+const CASES: [&str; 10] = [
     "coilcal/every-procedure/expected.json",
     "sensorcal/small/expected.json",
     "axescal/magsat/expected.json",
@@ -22,6 +22,7 @@ const CASES: [&str; 9] = [
     "ingest/logger/expected.json",
     "specs/calibrated/input.json",
     "report/observatory.json",
+    "starcal/day/expected.json",
 ];
 
 /// Widths of a desk and of a phone, CSS pixels.

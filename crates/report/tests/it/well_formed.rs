@@ -86,6 +86,7 @@ fn every_fixture_gives_a_page() {
         check(case, &page);
     }
     check("observatory", &page(&fixture("report/observatory.json")));
+    check("flight", &page(&fixture("starcal/day/expected.json")));
     check("empty", &page(&json!({"fluxcal": 1})));
 }
 

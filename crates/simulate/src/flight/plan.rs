@@ -97,9 +97,9 @@ pub struct SensorsPlan {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct FieldPlan {
-    /// Of each component, GEO: smooth over the Earth, different after a day or two, nT.
+    /// Of each component, GEO: smooth over the Earth, different after half a day to 60 days, nT.
     pub model_std_nt: f64,
-    /// Of each component across the field, beyond 60 degrees of dip latitude, on scales of 10 to 60 s, nT.
+    /// Of each component across the field, beyond 60 degrees of dip latitude, on scales of 40 to 240 s, nT.
     pub auroral_nt: f64,
     /// Of a field along the dipole's axis that changes over days, nT.
     pub ring_nt: f64,

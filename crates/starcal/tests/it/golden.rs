@@ -60,6 +60,33 @@ fn late_readings_are_told() {
     assert!((late.value() - 30.0).abs() < 3.0, "{late}");
 }
 
+/// A second camera whose quaternions are of the inverse rotation, or that never sees stars, is left out with a finding.
+#[test]
+fn a_camera_that_does_not_follow_is_left_out() {
+    let cameras = vec![simulate::CameraPlan::default(), simulate::CameraPlan::default()];
+    let plan = simulate::FlightPlan { cameras, step_s: 120.0, ..simulate::FlightPlan::default() };
+    let made = simulate::flight(&plan).expect("a flight").document;
+    let changed = |of: fn(f64) -> f64, said: &str| {
+        let mut document = made.clone();
+        for part in ["x", "y", "z"] {
+            let column =
+                document.recordings[0].columns.get_mut(&format!("camera_2_{part}")).expect("a camera");
+            *column = column.iter().map(|value| of(*value)).collect::<Vec<f64>>().into();
+        }
+        let document = run(document, &columns()).expect("a calibration");
+        let found = flight(&document);
+        assert_eq!(found.cameras.len(), 1);
+        assert!(
+            found.findings.iter().any(|one| one.contains("camera_2 is left out") && one.contains(said)),
+            "{:?}",
+            found.findings
+        );
+    };
+    changed(|value| -value, "not those of the first camera with one turn");
+    changed(|_| f64::NAN, "no attitude at a time");
+    assert_eq!(flight(&run(made.clone(), &columns()).expect("both")).cameras.len(), 2);
+}
+
 /// GPS time in place of UTC.
 #[test]
 fn times_of_gps_are_told() {

@@ -93,3 +93,20 @@ fn a_turned_camera_turns_its_head_alone() {
     let between = head(&other) * head(&one).inverse() * turn.to_rotation_matrix().inverse();
     assert!(between.angle() < 1e-4, "{}", between.angle());
 }
+
+/// Windows that become wider while rows are taken keep each row where its time is.
+#[test]
+fn windows_of_a_long_flight_are_those_of_its_times() {
+    let plan = simulate::FlightPlan { days: 20.0, step_s: 1500.0, ..simulate::FlightPlan::default() };
+    let recording = &simulate::flight(&plan).expect("a flight").document.recordings[0];
+    let line = partial::to_line(&piece(recording, 0..recording.rows()));
+    let value: serde_json::Value = serde_json::from_str(&line).expect("JSON");
+    let width = 2f64.powi(value["statistics"]["exponent"].as_i64().expect("an exponent") as i32);
+    let windows = value["statistics"]["windows"].as_object().expect("windows");
+    let start_s = recording.start().expect("a start").unix_s;
+    assert!(width > 8192.0 && windows.len() > 32, "{width} {}", windows.len());
+    for at in windows.keys() {
+        let from_s = at.parse::<f64>().expect("a number") * width - start_s;
+        assert!(from_s > -width && from_s < 20.0 * 86_400.0, "{at}: {from_s} s");
+    }
+}
