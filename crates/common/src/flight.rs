@@ -3,6 +3,39 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Extra, Findings, Matrix3x3, Quantity};
 
+/// The frame from which the quaternions of star cameras turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum AttitudeFrame {
+    /// North, east and down at the place, geodetic.
+    #[default]
+    Geo,
+    /// Fixed to the Earth.
+    Itrf,
+    /// Celestial.
+    Icrf,
+}
+
+impl AttitudeFrame {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Geo, Self::Itrf, Self::Icrf];
+
+    /// Its name in documents.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Geo => "geo",
+            Self::Itrf => "itrf",
+            Self::Icrf => "icrf",
+        }
+    }
+
+    /// The one of that name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|frame| frame.name() == name)
+    }
+}
+
 /// A vector magnetometer beside star cameras in flight, by starcal.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -11,8 +44,8 @@ pub struct FlightCalibration {
     /// Recordings of which the rows are; none of a stream.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub recordings: Vec<String>,
-    /// The frame from which the attitudes turn: `geo`, `itrf` or `icrf`.
-    pub frame: String,
+    /// The frame from which the attitudes turn.
+    pub frame: AttitudeFrame,
     /// Where the field is from.
     pub field: String,
     /// Rows that were used.

@@ -6,7 +6,18 @@ mod harmonics;
 pub use frames::{Celestial, itrf_to_geo, leap_s};
 pub use harmonics::{RADIUS_KM, synthesis};
 
+use nalgebra::Vector3;
 use std::fmt;
+
+/// Equatorial radius of the ellipsoid WGS 84, km; with f = 1/298.257223563.
+pub const EQUATOR_KM: f64 = 6378.137;
+/// Square of its eccentricity.
+const E2: f64 = (2.0 - 1.0 / 298.257_223_563) / 298.257_223_563;
+
+/// The normal of the ellipsoid at a geodetic latitude, rad, down to the axis, km.
+fn normal_km(latitude: f64) -> f64 {
+    EQUATOR_KM / (1.0 - E2 * latitude.sin().powi(2)).sqrt()
+}
 
 /// A published model.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -96,14 +107,23 @@ impl fmt::Display for Model {
 }
 
 impl Place {
+    /// Of a vector from the centre in ITRF, km.
+    pub fn of_itrf(vector_km: &Vector3<f64>) -> Self {
+        let across = vector_km.xy().norm();
+        let mut latitude = vector_km.z.atan2((1.0 - E2) * across);
+        for _ in 0..6 {
+            latitude = (vector_km.z + E2 * normal_km(latitude) * latitude.sin()).atan2(across);
+        }
+        let (sin, cos) = latitude.sin_cos();
+        let height_km = across * cos + vector_km.z * sin - EQUATOR_KM * EQUATOR_KM / normal_km(latitude);
+        let longitude_deg = vector_km.y.atan2(vector_km.x).to_degrees();
+        Self { latitude_deg: latitude.to_degrees(), longitude_deg, height_m: 1000.0 * height_km }
+    }
+
     /// Geocentric latitude, rad, and distance from the centre, km.
-    ///
-    /// Source: WGS 84, a = 6378.137 km, f = 1/298.257223563.
     fn geocentric(&self) -> (f64, f64) {
-        const A_KM: f64 = 6378.137;
-        const E2: f64 = (2.0 - 1.0 / 298.257_223_563) / 298.257_223_563;
-        let (sin, cos) = self.latitude_deg.to_radians().sin_cos();
-        let normal_km = A_KM / (1.0 - E2 * sin * sin).sqrt();
+        let latitude = self.latitude_deg.to_radians();
+        let ((sin, cos), normal_km) = (latitude.sin_cos(), normal_km(latitude));
         let height_km = self.height_m / 1000.0;
         let (across, up) = ((normal_km + height_km) * cos, (normal_km * (1.0 - E2) + height_km) * sin);
         (up.atan2(across), across.hypot(up))

@@ -15,11 +15,13 @@
 
 mod covered;
 mod error;
+mod sample;
 mod series;
 mod text;
 
 pub use covered::{Covered, MOST, Moment};
 pub use error::Error;
+pub use sample::Sample;
 pub use series::{Series, Take, take, take_from};
 pub use text::{merge_lines, parse, to_line};
 

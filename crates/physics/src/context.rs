@@ -2,7 +2,7 @@
 
 use common::number::bare;
 use common::{Axis, Document, Instrument, Quantity, Recording, procedure};
-use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use std::borrow::Cow;
 
 use crate::frames::{ARCSEC, Orientation};
@@ -328,18 +328,16 @@ fn attitude(recording: &Recording) -> Result<Vec<Matrix3<f64>>, Error> {
         return Ok(Vec::new());
     };
     let rotation = |row: usize| {
-        let q = Quaternion::new(w[row], x[row], y[row], z[row]);
-        if q.norm().is_finite() && (q.norm() - 1.0).abs() > 1e-3 {
-            return Err(Error::NotARotation {
-                found: format!(
-                    "an attitude of length {} in row {row} of \"{}\"",
-                    bare(q.norm()),
-                    recording.id
-                ),
-                expected: "unit quaternions in attitude_{w,x,y,z}".into(),
-            });
+        let parts = [w[row], x[row], y[row], z[row]];
+        // A row without an attitude has none in what follows.
+        let size = parts.iter().map(|part| part * part).sum::<f64>().sqrt();
+        if !size.is_finite() {
+            return Ok(Matrix3::from_element(f64::NAN));
         }
-        Ok(UnitQuaternion::from_quaternion(q).to_rotation_matrix().into_inner())
+        crate::frames::attitude(parts).ok_or_else(|| Error::NotARotation {
+            found: format!("an attitude of length {} in row {row} of \"{}\"", bare(size), recording.id),
+            expected: "unit quaternions in attitude_{w,x,y,z}".into(),
+        })
     };
     (0..recording.rows()).map(rotation).collect()
 }

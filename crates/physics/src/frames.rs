@@ -2,7 +2,7 @@
 
 use common::number::{bare, significant};
 use common::{Matrix3x3, Theodolite, TheodoliteAngle};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use num_dual::Dual64;
 
 use crate::{Error, Real};
@@ -89,8 +89,29 @@ pub fn rows(matrix: &Matrix3<f64>) -> Matrix3x3 {
     std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)]))
 }
 
-/// The rotation nearest to M (the orthogonal factor of its polar decomposition M = R S, by Newton's
-/// iteration R ← (R + R⁻ᵀ)/2) and the largest |eigenvalue| of S − 1: how far it had to move, rad.
+/// The orthogonal matrix nearest to M: the factor R of its polar decomposition M = R S, by Newton's iteration
+/// R ← (R + R⁻ᵀ)/2. None of a singular matrix; its determinant has the sign of that of M.
+pub fn polar(given: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let mut rotation = *given;
+    for _ in 0..30 {
+        let next = (rotation + rotation.try_inverse()?.transpose()) * 0.5;
+        let change = (next - rotation).norm();
+        rotation = next;
+        if change < 1e-15 {
+            break;
+        }
+    }
+    Some(rotation)
+}
+
+/// The rotation by a unit quaternion w, x, y, z; None of another length.
+pub fn attitude([w, x, y, z]: [f64; 4]) -> Option<Matrix3<f64>> {
+    let q = Quaternion::new(w, x, y, z);
+    let rotation = || UnitQuaternion::from_quaternion(q).to_rotation_matrix().into_inner();
+    ((q.norm() - 1.0).abs() <= 1e-3).then(rotation)
+}
+
+/// The rotation nearest to M and the largest |eigenvalue| of S − 1: how far it had to move, rad.
 fn nearest_rotation(given: &Matrix3<f64>, theodolite_rad: Option<f64>) -> Result<(Matrix3<f64>, f64), Error> {
     let refuse = |found: String| {
         Error::NotARotation {
@@ -107,18 +128,7 @@ fn nearest_rotation(given: &Matrix3<f64>, theodolite_rad: Option<f64>) -> Result
     if determinant < -0.5 {
         return Err(refuse(format!("a left-handed matrix (its determinant is {})", bare(determinant))));
     }
-    let mut rotation = *given;
-    for _ in 0..30 {
-        let Some(inverse) = rotation.try_inverse() else {
-            return Err(refuse("a singular matrix".into()));
-        };
-        let next = (rotation + inverse.transpose()) * 0.5;
-        let change = (next - rotation).norm();
-        rotation = next;
-        if change < 1e-15 {
-            break;
-        }
-    }
+    let rotation = polar(given).ok_or_else(|| refuse("a singular matrix".into()))?;
     let stretch = rotation.transpose() * given;
     let eigenvalues = ((stretch + stretch.transpose()) * 0.5).symmetric_eigenvalues();
     let moved = eigenvalues.iter().map(|value| (value - 1.0).abs()).fold(0.0, f64::max);

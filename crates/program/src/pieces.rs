@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, IsTerminal};
 use std::path::{Path, PathBuf};
 
-use crate::pipe::{self, Program};
+use crate::pipe::{self, Input, Program};
 use crate::{apart, progress};
 
 /// As messages call it.
@@ -44,6 +44,46 @@ struct Out {
     /// Say nothing on standard error
     #[arg(short, long)]
     quiet: bool,
+}
+
+/// A document that states what is known beside the statistics.
+#[derive(Args, Clone, Debug)]
+pub struct Stated {
+    /// Document that states what is known of the instrument; the calibration is added to it, its recordings are not read
+    #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
+    document: Option<PathBuf>,
+}
+
+impl Stated {
+    /// Does what answers from statistics, with the document that is stated, by the answer into a document.
+    ///
+    /// # Errors
+    ///
+    /// A document that cannot be read, and those of the answer.
+    pub fn answered<P>(
+        &self,
+        program: Program,
+        arguments: Vec<String>,
+        answer: impl Fn(&P, Document) -> Result<Document, Error>,
+        words: &dyn Fn(&Document) -> String,
+        run: impl FnOnce(&Answer<'_, P>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let document = self.document.as_deref();
+        let stream = |file: &str| format!("{} stream {file}", program.name);
+        let stated = document.map(|file| Input::document(Some(file), stream)).transpose()?;
+        let of = |joined: &P| {
+            let (input, document) = match &stated {
+                Some((input, document)) => (Some(input), document.clone()),
+                None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
+            };
+            let document = answer(joined, document).map_err(|error| match input {
+                Some(input) => input.locate(error),
+                None => error,
+            })?;
+            Ok((document, input.map(Input::sha256)))
+        };
+        run(&Answer { program, document, arguments, of: &of, words })
+    }
 }
 
 /// The document of an answer, and the SHA-256 of the one that was read for it.

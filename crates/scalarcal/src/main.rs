@@ -1,13 +1,12 @@
 //! `scalarcal`: calibration without a facility.
 
 use clap::{Args, Parser, Subcommand};
-use common::{Document, Error, procedure};
+use common::{Error, procedure};
 use program::manual;
-use program::pieces::{self, Answer};
-use program::pipe::{self, Input, Program, StageIo};
+use program::pieces::{self, Answer, Stated};
+use program::pipe::{self, Program, StageIo};
 use scalarcal::stream::{self, Partial};
 use scalarcal::{Columns, FitOptions, Options};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 const PROGRAM: Program =
@@ -63,9 +62,8 @@ struct MergeArgs {
 
 #[derive(Args)]
 struct KnownArgs {
-    /// Document that states instrument, reference and sensors; the calibration is added to it, its recordings are not read
-    #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
-    document: Option<PathBuf>,
+    #[command(flatten)]
+    stated: Stated,
     #[command(flatten)]
     fit: FitOptions,
 }
@@ -93,27 +91,8 @@ fn run(cli: &Cli) -> anyhow::Result<()> {
 impl KnownArgs {
     /// Does what answers from statistics with the document that is known.
     fn answered(&self, run: impl FnOnce(&Answer<'_, Partial>) -> Result<(), Error>) -> Result<(), Error> {
-        let stated = self.document.as_deref();
-        let stated =
-            stated.map(|file| Input::document(Some(file), |file| format!("scalarcal stream {file}")));
-        let stated = stated.transpose()?;
-        let of = |joined: &Partial| {
-            let (input, document) = match &stated {
-                Some((input, document)) => (Some(input), document.clone()),
-                None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
-            };
-            let document = stream::document(joined, document, &self.fit).map_err(|error| match input {
-                Some(input) => input.locate(error),
-                None => error,
-            })?;
-            Ok((document, input.map(Input::sha256)))
-        };
-        run(&Answer {
-            program: PROGRAM,
-            document: self.document.as_deref(),
-            arguments: Options { fit: self.fit.clone(), ..Options::default() }.arguments(),
-            of: &of,
-            words: &scalarcal::summary,
-        })
+        let arguments = Options { fit: self.fit.clone(), ..Options::default() }.arguments();
+        let answer = |joined: &Partial, document| stream::document(joined, document, &self.fit);
+        self.stated.answered(PROGRAM, arguments, answer, &scalarcal::summary, run)
     }
 }

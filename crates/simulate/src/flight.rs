@@ -20,8 +20,7 @@ use crate::aboard::quaternion;
 use errors::{Field, Waves, normal, uniform};
 use orbit::{DAY_S, Moment, Motion};
 pub use plan::{
-    AttitudeFrame, BenchPlan, CameraPlan, CurrentPlan, FieldPlan, FlightPlan, LatencyPlan, SensorsPlan,
-    SunPlan,
+    BenchPlan, CameraPlan, CurrentPlan, FieldPlan, FlightPlan, LatencyPlan, SensorsPlan, SunPlan,
 };
 
 /// The document of a flight, and what is true behind it.

@@ -36,8 +36,8 @@ pub use campaign::{Campaign, campaign};
 pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes, ThirdTruth};
 pub use effects::{Layout, catalogue};
 pub use flight::{
-    AttitudeFrame, BenchPlan, CameraPlan, CurrentPlan, FieldPlan, FlightPlan, FlightTruth, LatencyPlan,
-    MadeFlight, SensorsPlan, SunPlan, flight,
+    BenchPlan, CameraPlan, CurrentPlan, FieldPlan, FlightPlan, FlightTruth, LatencyPlan, MadeFlight,
+    SensorsPlan, SunPlan, flight,
 };
 pub use observatory::{BaselinePlan, Observatory, ObservatoryPlan, TheodolitePlan, observatory};
 pub use outside::{OutsidePlan, Site, SiteNoise, SitePlan, Storm};

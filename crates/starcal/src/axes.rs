@@ -2,8 +2,15 @@
 //! camera.
 
 use nalgebra::{Matrix3, Vector3};
+use physics::frames::polar;
 
+use crate::Error;
 use crate::layout::FIELD_NT;
+
+/// What is wrong where there are no axes.
+pub fn no_axes() -> Error {
+    Error::Unanswerable("the sensors lie in a plane, or are left-handed: one reads the field with the opposite sign, or two are exchanged; check the columns".into())
+}
 
 /// What the twelve coefficients say.
 #[derive(Clone, Debug)]
@@ -22,7 +29,7 @@ pub struct Axes {
 
 impl Axes {
     /// Of the twelve coefficients, by components; SEN is the frame in which the sensors are nearest to directions that
-    /// are stated. None where they lie in a plane.
+    /// are stated. None where they lie in a plane or are left-handed.
     pub fn of(twelve: &[f64], stated: &Matrix3<f64>) -> Option<Self> {
         let linear = Matrix3::from_fn(|i, j| twelve[4 * i + j] / FIELD_NT);
         let constant = Vector3::new(twelve[3], twelve[7], twelve[11]);
@@ -30,7 +37,7 @@ impl Axes {
         let inverse = linear.try_inverse()?;
         let lengths = Vector3::from_fn(|i, _| inverse.row(i).norm());
         let seen = Matrix3::from_fn(|i, j| inverse[(j, i)] / lengths[j]);
-        let turn = nearest(&(seen * stated.transpose()));
+        let turn = polar(&(seen * stated.transpose())).filter(|turn| turn.determinant() > 0.0)?;
         let k = lengths.map(|length| 1.0 / length);
         Some(Self {
             k,
@@ -48,14 +55,6 @@ impl Axes {
     }
 }
 
-/// The rotation nearest to a matrix.
-pub fn nearest(matrix: &Matrix3<f64>) -> Matrix3<f64> {
-    let svd = matrix.svd(true, true);
-    let (Some(u), Some(v)) = (svd.u, svd.v_t) else { return Matrix3::identity() };
-    let hand = (u * v).determinant().signum();
-    u * Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, hand)) * v
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -66,7 +65,7 @@ mod tests {
         let turn = *Rotation3::from_euler_angles(0.3, -1.0, 2.0).matrix();
         let mut mu = Matrix3::new(1.0, 2e-4, -1e-4, -1e-4, 1.0, 3e-4, 2e-4, -2e-4, 1.0);
         mu.column_iter_mut().for_each(|mut column| column /= column.norm());
-        let mu = nearest(&mu).transpose() * mu;
+        let mu = polar(&mu).expect("axes").transpose() * mu;
         let (k, offset) = (Vector3::new(1.001, 0.999, 1.0005), Vector3::new(3.0, -2.0, 5.0));
         let unmixed = mu.transpose().try_inverse().expect("axes");
         let linear = turn * unmixed * Matrix3::from_diagonal(&k);

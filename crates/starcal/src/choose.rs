@@ -39,7 +39,7 @@ pub fn choose<T: Copy + PartialEq>(
         let weighted = flight.weighted(&fit.variances);
         let is_new = |term: T| !terms.iter().any(|(one, _)| *one == term) && may(term, &terms);
         for candidate in candidates.iter().filter(|(term, _)| is_new(*term)) {
-            // What does not vary cannot be told, and is no term.
+            // What does not vary cannot be determined, and is not a term.
             let with = flight.fit(&[&directions[..], &candidate.1].concat(), fit.variances, &weighted);
             let factor = with.ok().and_then(|with| log_bayes_factor(flight, &with, directions.len()));
             likely.extend(factor.filter(|factor| *factor > TAKEN).map(|factor| (candidate, factor)));
@@ -68,7 +68,7 @@ pub fn choose<T: Copy + PartialEq>(
 }
 
 /// ln of the Bayes factor for the parameters from place `own` on: Schwarz's criterion of windows of time, with the
-/// likelihood of Student's t, as a covariance by few windows is not well known. The smaller of those by few windows alike
+/// likelihood of Student's t, as a covariance by few windows is not well known. The smaller of those by few correlated windows
 /// and by many.
 fn log_bayes_factor(flight: &Flight, with: &Fit, own: usize) -> Option<f64> {
     let count = with.values.len() - own;

@@ -1,5 +1,6 @@
 //! The field that a model gives, in the frame from which attitudes turn.
 
+use common::AttitudeFrame;
 use common::time::Start;
 use mainfield::{AtYear, Celestial, Model, Place, itrf_to_geo};
 use nalgebra::{Matrix3, Vector3};
@@ -33,8 +34,13 @@ pub struct Fields {
 }
 
 impl Fields {
-    pub fn new(model: Model, ut1_utc_s: f64, frame: &str) -> Self {
-        Self { model, day: None, celestial: Celestial::new(ut1_utc_s), is_celestial: frame == "icrf" }
+    pub fn new(model: Model, ut1_utc_s: f64, frame: AttitudeFrame) -> Self {
+        Self {
+            model,
+            day: None,
+            celestial: Celestial::new(ut1_utc_s),
+            is_celestial: frame == AttitudeFrame::Icrf,
+        }
     }
 
     /// The field of a row, of which time counts since 1970, UTC.
@@ -87,12 +93,12 @@ impl Fields {
 }
 
 impl Known {
-    /// In the frame of that name.
-    pub fn of(&self, frame: &str) -> Vector3<f64> {
+    /// In a frame.
+    pub fn of(&self, frame: AttitudeFrame) -> Vector3<f64> {
         match frame {
-            "icrf" => self.icrf,
-            "itrf" => self.itrf,
-            _ => self.geo,
+            AttitudeFrame::Geo => self.geo,
+            AttitudeFrame::Itrf => self.itrf,
+            AttitudeFrame::Icrf => self.icrf,
         }
     }
 

@@ -16,7 +16,7 @@ const ROUNDS: usize = 6;
 /// Directions of which the readings say less than this share of what they say of the others are not determined.
 const UNDETERMINED: f64 = 1e-10;
 /// The variance of the place with the most rows counts as so many rows.
-const DRAWN: f64 = 10.0;
+const SHRUNK: f64 = 10.0;
 /// Least variance of a row, nT²: the products keep no more.
 const LEAST: f64 = 1e-4;
 
@@ -44,7 +44,7 @@ pub struct Fit {
     /// Variances of the rows, nT².
     pub variances: Kinds,
     pub covariance: Mat<f64>,
-    /// The same with few windows alike.
+    /// The same with few windows correlated.
     pub short: Mat<f64>,
 }
 
@@ -55,6 +55,14 @@ pub struct Weighted(Vec<Mat<f64>>);
 struct Normal {
     matrix: Mat<f64>,
     right: Col<f64>,
+}
+
+/// Values with the normal equations of each window about them, their sum and its inverse.
+struct Solved {
+    values: Vec<f64>,
+    normals: Vec<Normal>,
+    whole: Normal,
+    nominal: Mat<f64>,
 }
 
 impl<'a> Flight<'a> {
@@ -75,7 +83,7 @@ impl<'a> Flight<'a> {
         self.windows.len()
     }
 
-    /// Windows over which errors may be alike: a quarter of all, and a few.
+    /// Lags up to which windows are taken as correlated: a quarter of all, and a few.
     fn lags(&self) -> [usize; 2] {
         let long = self.windows.len() / 4;
         [long, long.min(3)]
@@ -176,39 +184,44 @@ impl<'a> Flight<'a> {
             let all = found.iter_mut().flatten().zip(window.iter().flatten());
             all.for_each(|(sum, products)| *sum += products.squares(&left));
         }
-        // Of few rows it is drawn towards that of the place with the most.
+        // Of few rows it is shrunk towards that of the place with the most.
         let rows = self.rows();
         let most = usize::from(rows[1][0] > rows[0][0]);
         let usual: [f64; DIRECTIONS] = std::array::from_fn(|k| found[most][k] / rows[most][k].max(1.0));
         for (variances, rows) in found.iter_mut().zip(&rows) {
             for (direction, variance) in variances.iter_mut().enumerate() {
-                let drawn = *variance + DRAWN * usual[direction];
-                *variance = (drawn / (rows[direction] + DRAWN)).max(LEAST);
+                let sum = *variance + SHRUNK * usual[direction];
+                *variance = (sum / (rows[direction] + SHRUNK)).max(LEAST);
             }
         }
         found
+    }
+
+    /// The values by weights as they are, with the normal equations about them and their inverse.
+    ///
+    /// Errors: what the rows do not determine.
+    fn solve(&self, directions: &[Direction], weighted: &Weighted) -> Result<Solved, Error> {
+        let mut values = vec![0.0; directions.len()];
+        // Once more, for the digits that the first step loses.
+        for _ in 0..2 {
+            let whole = Normal::sum(&self.normal(directions, &values, weighted));
+            let step = inverse(&whole.matrix)? * &whole.right;
+            values.iter_mut().zip(step.iter()).for_each(|(value, step)| *value += step);
+        }
+        let normals = self.normal(directions, &values, weighted);
+        let whole = Normal::sum(&normals);
+        let nominal = inverse(&whole.matrix)?;
+        Ok(Solved { values, normals, whole, nominal })
     }
 
     /// The fit with weights as they are.
     ///
     /// Errors: what the rows do not determine.
     pub fn fit(&self, directions: &[Direction], variances: Kinds, weighted: &Weighted) -> Result<Fit, Error> {
-        let mut values = vec![0.0; directions.len()];
-        let step = |values: &[f64]| -> Result<_, Error> {
-            let normals = self.normal(directions, values, weighted);
-            let whole = Normal::sum(&normals);
-            let nominal = inverse(&whole.matrix)?;
-            Ok((&nominal * &whole.right, normals, whole, nominal))
-        };
-        // Once more, for the digits that the first step loses.
-        for _ in 0..2 {
-            let (moved, ..) = step(&values)?;
-            values.iter_mut().zip(moved.iter()).for_each(|(value, step)| *value += step);
-        }
-        let (_, normals, whole, nominal) = step(&values)?;
+        let Solved { values, normals, whole, nominal } = self.solve(directions, weighted)?;
         let moved = moved(&normals, &whole, &nominal);
-        let [long, short] = self.lags().map(|lags| by_windows(&moved, &nominal, lags));
-        Ok(Fit { values, variances, covariance: long, short })
+        let [covariance, short] = self.lags().map(|lags| by_windows(&moved, &nominal, lags));
+        Ok(Fit { values, variances, covariance, short })
     }
 
     /// The fit with the weights that follow from it, from some that are near.
@@ -217,8 +230,8 @@ impl<'a> Flight<'a> {
     pub fn settled(&self, directions: &[Direction], from: &Kinds) -> Result<Fit, Error> {
         let mut variances = *from;
         for _ in 0..ROUNDS {
-            let fit = self.fit(directions, variances, &self.weighted(&variances))?;
-            variances = self.variances(directions, &fit.values);
+            let solved = self.solve(directions, &self.weighted(&variances))?;
+            variances = self.variances(directions, &solved.values);
         }
         self.fit(directions, variances, &self.weighted(&variances))
     }
@@ -279,8 +292,8 @@ fn moved(normals: &[Normal], whole: &Normal, nominal: &Mat<f64>) -> Vec<Col<f64>
     normals.iter().map(of).collect()
 }
 
-/// The covariance by these, windows up to some number apart being alike (W. K. Newey, K. D. West, Econometrica 55 (1987)
-/// 703). No variance is below that of independent rows, and of few windows the correlations are drawn towards those.
+/// The covariance by these, windows up to some lag being correlated (W. K. Newey, K. D. West, Econometrica 55 (1987)
+/// 703). No variance is below that of independent rows, and the correlations by few windows are shrunk towards those.
 fn by_windows(moved: &[Col<f64>], nominal: &Mat<f64>, lags: usize) -> Mat<f64> {
     let (count, all) = (moved.len(), nominal.nrows());
     if count < 2 {
@@ -297,10 +310,10 @@ fn by_windows(moved: &[Col<f64>], nominal: &Mat<f64>, lags: usize) -> Mat<f64> {
     let share = (count as f64 - 1.0) / count as f64;
     let own = |k: usize| (share * sum[(k, k)]).max(f64::MIN_POSITIVE);
     let std: Vec<f64> = (0..all).map(|k| own(k).max(nominal[(k, k)]).sqrt()).collect();
-    let drawn = all as f64 / (all + count) as f64;
+    let shrunk = all as f64 / (all + count) as f64;
     Mat::from_fn(all, all, |i, j| {
         let by_windows = share * sum[(i, j)] / (own(i) * own(j)).sqrt();
         let independent = nominal[(i, j)] / (nominal[(i, i)] * nominal[(j, j)]).sqrt();
-        std[i] * std[j] * ((1.0 - drawn) * by_windows + drawn * independent)
+        std[i] * std[j] * ((1.0 - shrunk) * by_windows + shrunk * independent)
     })
 }

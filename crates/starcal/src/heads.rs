@@ -3,22 +3,22 @@
 
 use faer::Mat;
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use physics::frames::ARCSEC;
+use physics::frames::{ARCSEC, polar};
 
 use crate::Error;
-use crate::axes::{Axes, nearest};
+use crate::axes::{Axes, no_axes};
 use crate::choose::{Chosen, choose};
 use crate::fit::{Fit, Flight, Kinds};
 use crate::layout::Layout;
 use crate::partial::{DIRECTIONS, PLACES};
-use crate::terms::{Direction, Follows, Space, Term, twelve};
+use crate::terms::{Direction, Follows, Space, Term, turned, twelve};
 
 /// Rounds in which the turn of a head settles.
 const ROUNDS: usize = 2;
-/// A matrix that is further from a rotation is none.
+/// A matrix that is further than this from a rotation is not one.
 const NOT_TURNED: f64 = 0.01;
-/// To begin with, all rows count alike.
-const ALIKE: Kinds = [[1.0; DIRECTIONS]; PLACES];
+/// The variances to begin with.
+const EQUAL: Kinds = [[1.0; DIRECTIONS]; PLACES];
 
 /// Sensors and the first camera.
 pub struct First {
@@ -47,11 +47,9 @@ pub struct Head {
 ///
 /// Errors: what the rows do not determine.
 pub fn first(flight: &Flight, layout: &Layout, stated: &Matrix3<f64>) -> Result<First, Error> {
-    let flat =
-        || Error::Unanswerable("the sensors lie in a plane by what was found; check the columns".into());
-    let axes_of = |fit: &Fit| Axes::of(&fit.values[..12], stated).ok_or_else(flat);
+    let axes_of = |fit: &Fit| Axes::of(&fit.values[..12], stated).ok_or_else(no_axes);
     let base = twelve(flight.count);
-    let without = flight.settled(&base, &ALIKE)?;
+    let without = flight.settled(&base, &EQUAL)?;
     let axes = axes_of(&without)?;
     let candidates: Vec<(Term, Vec<Direction>)> =
         Term::all(layout).into_iter().map(|term| (term, term.directions(layout, &axes))).collect();
@@ -74,7 +72,6 @@ pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Err
     }
     let space = Space { signals: layout.signals(camera) };
     let zero = Vector3::zeros();
-    let cross = |k: usize| -ARCSEC * Vector3::ith(k, 1.0).cross_matrix();
     // All nine elements, then turns about the nearest rotation.
     let nine: Vec<Direction> = (0..9)
         .map(|k| {
@@ -83,14 +80,15 @@ pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Err
             space.still(&unit, &zero)
         })
         .collect();
-    let found = flight.settled(&nine, &ALIKE)?;
+    let found = flight.settled(&nine, &EQUAL)?;
     let free = Matrix3::from_column_slice(&found.values);
-    let mut turn = Rotation3::from_matrix_unchecked(nearest(&free));
-    if (free - turn.matrix()).norm() > NOT_TURNED {
+    let nearest = polar(&free).filter(|turn| turn.determinant() > 0.0 && (free - turn).norm() < NOT_TURNED);
+    let Some(nearest) = nearest else {
         return Err(Error::Unanswerable("its attitudes are not those of the first camera with one turn; check the order of its quaternions, their signs and their times".into()));
-    }
+    };
+    let mut turn = Rotation3::from_matrix_unchecked(nearest);
     let about = |turn: &Rotation3<f64>| -> Vec<Direction> {
-        let turns = (0..3).map(|k| space.still(&(cross(k) * turn.matrix()), &zero));
+        let turns = (0..3).map(|k| space.still(&(turned(k) * turn.matrix()), &zero));
         [space.still(turn.matrix(), &zero)].into_iter().chain(turns).collect()
     };
     for _ in 0..ROUNDS {
@@ -101,7 +99,7 @@ pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Err
     let base = about(&turn);
     let without = flight.settled(&base, &found.variances)?;
     let of = |follows: Follows| -> (Follows, Vec<Direction>) {
-        (follows, (0..3).map(|k| space.followed(follows, &(cross(k) * turn.matrix()), &zero)).collect())
+        (follows, (0..3).map(|k| space.followed(follows, &(turned(k) * turn.matrix()), &zero)).collect())
     };
     let candidates: Vec<_> = Follows::all(layout).into_iter().map(of).collect();
     let Chosen { terms, fit, .. } = choose(flight, (base, without), &candidates, |_, _| true)?;

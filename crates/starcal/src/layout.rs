@@ -1,6 +1,6 @@
 //! The columns of a flight, and what each row of them says of the coefficients that are found.
 
-use common::Axis;
+use common::{AttitudeFrame, Axis};
 use nalgebra::Vector3;
 use physics::{SUN_HARMONICS, sun_harmonics};
 use serde::{Deserialize, Serialize};
@@ -15,16 +15,14 @@ pub const SUN: usize = 9;
 pub const CAMERAS: usize = 3;
 /// Most temperatures and currents that are looked at.
 const MOST: usize = 6;
-/// The frames from which attitudes may turn.
-pub const FRAMES: [&str; 3] = ["geo", "itrf", "icrf"];
 /// The parts of a quaternion.
 pub const PARTS: [&str; 4] = ["w", "x", "y", "z"];
 
 /// What stands in the rows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
-    /// The frame from which attitudes turn: `geo`, `itrf` or `icrf`.
-    pub frame: String,
+    /// The frame from which attitudes turn.
+    pub frame: AttitudeFrame,
     /// Where the field is from: a model, or columns.
     pub field: String,
     /// Star cameras, by their numbers.
@@ -58,7 +56,7 @@ impl Layout {
     /// What of the columns that there are is used.
     ///
     /// Errors: what is missing, in words.
-    pub fn of(there: &[String], frame: &str, model: &str) -> Result<Self, String> {
+    pub fn of(there: &[String], frame: AttitudeFrame, model: &str) -> Result<Self, String> {
         let has = |name: &str| there.iter().any(|one| one == name);
         let all = |names: &[&str]| names.iter().all(|name| has(name));
         if !has("time_s") {
@@ -77,8 +75,8 @@ impl Layout {
         }
         let ambient = all(&["ambient_x_nt", "ambient_y_nt", "ambient_z_nt"]);
         let place = all(&["latitude_deg", "longitude_deg", "height_m"]);
-        if !(place || ambient && frame == "geo") {
-            return Err(if frame == "geo" {
+        if !(place || ambient && frame == AttitudeFrame::Geo) {
+            return Err(if frame == AttitudeFrame::Geo {
                 "`ambient_x_nt`, `ambient_y_nt`, `ambient_z_nt`, or the place, `latitude_deg`, `longitude_deg`, `height_m`"
             } else {
                 "the place, `latitude_deg`, `longitude_deg`, `height_m`: attitudes are not from north, east and down"
@@ -95,7 +93,7 @@ impl Layout {
         };
         let lit = ["sunlit", "eclipse"].into_iter().find(|name| has(name));
         Ok(Self {
-            frame: frame.into(),
+            frame,
             field: if ambient { "ambient_*_nt" } else { model }.into(),
             cameras,
             temperatures: named(|name| name.ends_with("_temperature_c")),

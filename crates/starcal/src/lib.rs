@@ -21,7 +21,6 @@ mod layout;
 mod mistakes;
 mod partial;
 mod result;
-mod sample;
 mod taking;
 mod terms;
 mod values;

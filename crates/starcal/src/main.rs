@@ -1,13 +1,13 @@
 //! `starcal`: calibration in flight.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use common::{Document, Error};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand};
+use common::{AttitudeFrame, Error};
 use mainfield::Model;
 use program::manual;
-use program::pieces::{self, Answer};
-use program::pipe::{self, Input, Program, StageIo};
+use program::pieces::{self, Answer, Stated};
+use program::pipe::{self, Program, StageIo};
 use starcal::{Columns, Partial};
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 const PROGRAM: Program =
@@ -52,7 +52,7 @@ struct StreamArgs {
     #[command(flatten)]
     options: Options,
     #[command(flatten)]
-    known: Known,
+    stated: Stated,
 }
 
 #[derive(Args)]
@@ -60,42 +60,28 @@ struct MergeArgs {
     #[command(flatten)]
     merge: pieces::Merge,
     #[command(flatten)]
-    known: Known,
-}
-
-#[derive(Args)]
-struct Known {
-    /// Document that states the sensors; the calibration is added to it, its recordings are not read
-    #[arg(long, value_name = "DOCUMENT", conflicts_with = "partial")]
-    document: Option<PathBuf>,
+    stated: Stated,
 }
 
 #[derive(Args)]
 struct Options {
     /// From which frame the attitudes turn, where `conditions.attitude_frame` does not say it
-    #[arg(long, value_enum, default_value = "geo")]
-    attitude_frame: Frame,
+    #[arg(long, default_value = "geo", value_parser = PossibleValuesParser::new(AttitudeFrame::ALL.map(AttitudeFrame::name)).map(frame))]
+    attitude_frame: AttitudeFrame,
     /// The field where there are no columns `ambient_*_nt`: igrf14 or wmm2025
-    #[arg(long, value_parser = model, default_value = "igrf14")]
+    #[arg(long, default_value = "igrf14", value_parser = PossibleValuesParser::new(Model::ALL.map(Model::name)).map(model))]
     field_model: Model,
     /// UT1 less UTC, s, for attitudes from icrf (IERS Bulletin A)
     #[arg(long, value_name = "S", value_parser = ut1, default_value = "0", allow_hyphen_values = true)]
     ut1_utc_s: f64,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Frame {
-    /// North, east and down at the place
-    Geo,
-    /// Fixed to the Earth
-    Itrf,
-    /// Celestial
-    Icrf,
+fn model(text: String) -> Model {
+    Model::ALL.into_iter().find(|model| model.name() == text).unwrap_or_default()
 }
 
-fn model(text: &str) -> Result<Model, String> {
-    let known = Model::ALL.map(Model::name).join(" or ");
-    Model::ALL.into_iter().find(|model| model.name() == text).ok_or(format!("expected {known}"))
+fn frame(text: String) -> AttitudeFrame {
+    AttitudeFrame::named(&text).unwrap_or_default()
 }
 
 fn ut1(text: &str) -> Result<f64, String> {
@@ -109,19 +95,14 @@ fn ut1(text: &str) -> Result<f64, String> {
 
 impl Options {
     fn columns(&self) -> Columns {
-        let frame = match self.attitude_frame {
-            Frame::Geo => "geo",
-            Frame::Itrf => "itrf",
-            Frame::Icrf => "icrf",
-        };
-        Columns { frame: frame.into(), model: self.field_model, ut1_utc_s: self.ut1_utc_s }
+        Columns { frame: self.attitude_frame, model: self.field_model, ut1_utc_s: self.ut1_utc_s }
     }
 
     fn arguments(&self) -> Vec<String> {
         let Columns { frame, model, ut1_utc_s } = self.columns();
         let mut said = Vec::new();
-        if frame != "geo" {
-            said.push(format!("--attitude-frame={frame}"));
+        if frame != AttitudeFrame::Geo {
+            said.push(format!("--attitude-frame={}", frame.name()));
         }
         if model != Model::default() {
             said.push(format!("--field-model={}", model.name()));
@@ -139,49 +120,23 @@ fn main() -> ExitCode {
         None => run(&cli),
         Some(Command::Stream(args)) => {
             let columns = args.options.columns();
-            let run = |answer: &Answer<'_, Partial>| args.stream.run(&columns, answer);
-            args.known.answered(args.options.arguments(), run).map_err(Into::into)
+            answered(&args.stated, args.options.arguments(), |answer| args.stream.run(&columns, answer))
         }
-        Some(Command::Merge(args)) => {
-            args.known.answered(Vec::new(), |answer| args.merge.run(answer)).map_err(Into::into)
-        }
+        Some(Command::Merge(args)) => answered(&args.stated, Vec::new(), |answer| args.merge.run(answer)),
     };
     pipe::finish(PROGRAM, result)
+}
+
+fn answered(
+    stated: &Stated,
+    arguments: Vec<String>,
+    run: impl FnOnce(&Answer<'_, Partial>) -> Result<(), Error>,
+) -> anyhow::Result<()> {
+    Ok(stated.answered(PROGRAM, arguments, starcal::answer, &starcal::summary, run)?)
 }
 
 fn run(cli: &Cli) -> anyhow::Result<()> {
     let run = |document| starcal::run(document, &cli.options.columns());
     pipe::stage(PROGRAM, &cli.stage, cli.options.arguments(), run, starcal::summary)?;
     Ok(())
-}
-
-impl Known {
-    /// Does what answers from statistics with the document that is known.
-    fn answered(
-        &self,
-        arguments: Vec<String>,
-        run: impl FnOnce(&Answer<'_, Partial>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let stated = self.document.as_deref();
-        let stated = stated.map(|file| Input::document(Some(file), |file| format!("starcal stream {file}")));
-        let stated = stated.transpose()?;
-        let of = |joined: &Partial| {
-            let (input, document) = match &stated {
-                Some((input, document)) => (Some(input), document.clone()),
-                None => (None, Document { fluxcal: common::FORMAT_VERSION, ..Document::default() }),
-            };
-            let document = starcal::answer(joined, document).map_err(|error| match input {
-                Some(input) => input.locate(error),
-                None => error,
-            })?;
-            Ok((document, input.map(Input::sha256)))
-        };
-        run(&Answer {
-            program: PROGRAM,
-            document: self.document.as_deref(),
-            arguments,
-            of: &of,
-            words: &starcal::summary,
-        })
-    }
 }

@@ -3,12 +3,11 @@
 
 use estimate::linear::gram;
 use faer::{Mat, MatRef};
-use partial::{Covered, MOST};
+use partial::{Covered, MOST, Sample};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-use crate::layout::{CAMERAS, FRAMES, Layout};
-use crate::sample::Sample;
+use crate::layout::{CAMERAS, Layout};
 
 /// Most windows; when there are more, all become twice as wide.
 const WINDOWS: usize = 64;
@@ -20,6 +19,11 @@ pub const PLACES: usize = 2;
 pub const DELAYS: usize = 3;
 /// Along the field, across it and the camera's boresight, and across both.
 pub const DIRECTIONS: usize = 3;
+
+/// A row of the sample: time, s; readings, nT; the first camera's quaternion; the field in GEO, ITRF and ICRF, nT.
+pub const WIDTH: usize = 17;
+/// Rows of the sample.
+const KEPT: usize = 256;
 
 /// Why rows cannot be taken, or pieces not be joined.
 #[derive(Debug, thiserror::Error, PartialEq)]
@@ -107,7 +111,8 @@ pub struct Partial {
     /// Width of the windows, 2^k s.
     exponent: u32,
     windows: BTreeMap<i64, Window>,
-    pub(crate) sample: Sample,
+    /// A few rows, by which mistakes of the attitude are known.
+    pub(crate) sample: Sample<WIDTH, KEPT>,
 }
 
 impl Partial {
@@ -179,7 +184,6 @@ impl partial::Partial for Partial {
         let cameras = &self.layout.cameras;
         !cameras.is_empty()
             && cameras.iter().all(|camera| (1..=CAMERAS).contains(camera))
-            && FRAMES.contains(&self.layout.frame.as_str())
             && self.covered.is_whole()
             && self.sample.is_whole()
             && (FIRST..64).contains(&self.exponent)
@@ -201,7 +205,7 @@ impl partial::Partial for Partial {
             let said = |one: &Self| {
                 format!(
                     "with attitudes from {} and the columns {}",
-                    one.layout.frame,
+                    one.layout.frame.name(),
                     one.layout.names().join(", ")
                 )
             };

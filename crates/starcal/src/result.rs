@@ -1,6 +1,6 @@
 //! What was found, as the document has it.
 
-use common::number::{counted, significant};
+use common::number::significant;
 use common::uncertainty::{self, Block};
 use common::{
     AdoptedEffect, Axis, Code, Document, Findings, FlightCalibration, FlightCamera, FlightResidual,
@@ -11,6 +11,7 @@ use nalgebra::Matrix3;
 use physics::frames;
 
 use crate::Error;
+use crate::axes::no_axes;
 use crate::fit::{Fit, Flight, Kinds};
 use crate::heads::{First, Head};
 use crate::layout::{Layout, Signal, WARM_C, WARM_K};
@@ -20,8 +21,8 @@ use crate::values::Values;
 use crate::words;
 
 const DAY_S: f64 = 86_400.0;
-/// Fewer windows than this hardly tell an uncertainty.
-const FEW: usize = 8;
+/// Intervals hold in flights of a month, and not in those of up to ten days (docs/starcal.md).
+const LONG_DAYS: f64 = 20.0;
 
 /// Writes the calibration into the document.
 ///
@@ -35,9 +36,7 @@ pub fn put(
 ) -> Result<(), Error> {
     let layout = &partial.layout;
     let heads: Vec<&Head> = others.iter().map(|(_, head)| head).collect();
-    let flat =
-        || Error::Unanswerable("the sensors lie in a plane by what was found; check the columns".into());
-    let mut values = Values::of(first, &heads, stated).ok_or_else(flat)?;
+    let mut values = Values::of(first, &heads, stated).ok_or_else(no_axes)?;
     let [freedom, _] = flight.freedom();
     let factor = stats::coverage_factor(0.95, freedom);
 
@@ -72,7 +71,7 @@ pub fn put(
     for (taken, other, factor) in &first.rivals {
         let column = other.column(layout).map_or_else(String::new, |column| format!(", {column}"));
         let words = format!(
-            "\"{}\"{column} explains a part as well (ln of the Bayes factor {}), and cannot be told beside \"{}\"; record more of the flight",
+            "\"{}\"{column} explains a part as well (ln of the Bayes factor {}), and cannot be separated from \"{}\"; record more of the flight",
             words::term(*other),
             significant(*factor, 2),
             words::term(*taken)
@@ -123,15 +122,20 @@ pub fn put(
     let rest = [
         (partial.missing, "lack a value"),
         (partial.blind, "have no attitude of the first camera"),
-        (partial.odd, "have no unit quaternion, or a magnitude that is not that of the field"),
+        (
+            partial.odd,
+            "have a quaternion of another length than 1, or readings whose magnitude is not that of the field",
+        ),
     ];
     for (count, what) in rest.into_iter().filter(|(count, _)| *count > 0) {
         findings.push(Code::MissingSamples.said(format!("{count} of {all} rows {what} and are left out")));
     }
-    if flight.windows() < FEW {
-        let windows = counted(flight.windows(), "window");
-        let words =
-            format!("uncertainties are by {windows} of time, which is few; record more of the flight");
+    let days = 2.0 * flight.half_span_s / DAY_S;
+    if days < LONG_DAYS {
+        let days = significant(days, 2);
+        let words = format!(
+            "the flight lasts {days} days: errors of the field's model may last longer, and are not in the uncertainties then; record a month"
+        );
         findings.push(Code::TooFewDegreesOfFreedom.said(words));
     }
     let camera = |number: usize| {
@@ -153,7 +157,7 @@ pub fn put(
     };
     let cameras = (0..=others.len()).map(camera).collect();
     calibration.flight = Some(Box::new(FlightCalibration {
-        frame: layout.frame.clone(),
+        frame: layout.frame,
         field: layout.field.clone(),
         rows: partial.rows,
         windows: flight.windows() as u64,

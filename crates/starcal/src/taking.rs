@@ -1,12 +1,13 @@
 //! Rows become products: d = M y + m₀ + …, the field in the frame of a camera by what the sensors read.
 
-use common::{Recording, procedure};
+use common::{AttitudeFrame, Recording, procedure};
 use mainfield::Model;
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use partial::{Covered, Error as Fault, Series, Take};
+use physics::frames::attitude;
 
 use crate::field::{Fields, Known};
-use crate::layout::{CAMERAS, FIELD_NT, FRAMES, Layout, Row};
+use crate::layout::{CAMERAS, FIELD_NT, Layout, Row};
 use crate::partial::{DELAYS, DIRECTIONS, Error, PLACES, Partial};
 
 /// Rows further apart tell nothing of how field and attitude change, s.
@@ -23,8 +24,8 @@ const AT_ONCE: usize = 256;
 /// Takes a flight from documents and tables.
 #[derive(Clone, Debug)]
 pub struct Columns {
-    /// The frame from which attitudes turn: `geo`, `itrf` or `icrf`.
-    pub frame: String,
+    /// The frame from which attitudes turn.
+    pub frame: AttitudeFrame,
     /// The field where no columns have it.
     pub model: Model,
     /// UT1 less UTC, s.
@@ -44,16 +45,16 @@ impl Series for Columns {
         let Some(frame) = recording.conditions.extra.get("attitude_frame") else {
             return Ok(Some(self.clone()));
         };
-        let known = frame.as_str().filter(|frame| FRAMES.contains(frame)).ok_or_else(|| {
+        let known = frame.as_str().and_then(AttitudeFrame::named).ok_or_else(|| {
             let path = format!("{path}.conditions.attitude_frame");
             common::Error::document(path, frame.to_string(), "\"geo\", \"itrf\" or \"icrf\"")
         })?;
-        Ok(Some(Self { frame: known.into(), ..self.clone() }))
+        Ok(Some(Self { frame: known, ..self.clone() }))
     }
 
     fn begin(&self, there: &[String]) -> Result<(Vec<String>, Statistics), String> {
-        let layout = Layout::of(there, &self.frame, &self.model.to_string())?;
-        let fields = Fields::new(self.model, self.ut1_utc_s, &self.frame);
+        let layout = Layout::of(there, self.frame, &self.model.to_string())?;
+        let fields = Fields::new(self.model, self.ut1_utc_s, self.frame);
         Ok((layout.names(), Statistics::new(layout, fields)))
     }
 }
@@ -62,7 +63,7 @@ impl Series for Columns {
 struct Moment {
     row: Row,
     known: Known,
-    turns: [Option<UnitQuaternion<f64>>; CAMERAS],
+    turns: [Option<Matrix3<f64>>; CAMERAS],
 }
 
 /// Takes rows one after another. A row waits for the next one, which tells how its field changes.
@@ -119,7 +120,7 @@ impl Statistics {
         };
         let known = self.fields.known(&row);
         let known = known.map_err(|[found, expected]| Error::NoField { row: number, found, expected })?;
-        let turns = row.attitudes.map(|attitude| attitude.and_then(turn));
+        let turns = row.attitudes.map(|parts| parts.and_then(attitude));
         let size = known.geo.norm();
         if turns[0].is_none() {
             let is_odd = row.attitudes[0].is_some();
@@ -148,20 +149,21 @@ impl Statistics {
             // Windows may be wider now.
             self.window = self.partial.window(time_s);
         }
-        let frame = self.partial.layout.frame.clone();
+        let frame = self.partial.layout.frame;
         let place = usize::from(moment.known.is_polar() || moment.row.kp > QUIET_KP);
         // Attitudes of other heads are compared with that of the first, without which they say nothing here.
         let Some(first) = moment.turns[0] else { return };
         self.sample(moment);
-        let first = first * moment.known.of(&frame);
+        let first = first * moment.known.of(frame);
         for camera in 0..self.partial.layout.cameras.len() {
             let Some(turn) = moment.turns[camera] else { continue };
-            let field = turn * moment.known.of(&frame);
+            let field = turn * moment.known.of(frame);
             let mut delays = [Vector3::zeros(); DELAYS];
             let mut signals = moment.row.signals.clone();
             if camera == 0 {
-                let [whole, attitude] = self.changes(moment, next, &frame);
-                let turning = if frame == "icrf" { turn * moment.known.turning } else { Vector3::zeros() };
+                let [whole, attitude] = self.changes(moment, next, frame);
+                let turning =
+                    if frame == AttitudeFrame::Icrf { turn * moment.known.turning } else { Vector3::zeros() };
                 delays = [whole, attitude, turning];
             } else {
                 let seen = first / FIELD_NT;
@@ -186,9 +188,9 @@ impl Statistics {
         }
     }
 
-    /// How the field in the first camera's frame changes, nT/s, and how it would with the field at rest, by the rows before and
-    /// after; zero without them.
-    fn changes(&self, now: &Moment, next: Option<&Moment>, frame: &str) -> [Vector3<f64>; 2] {
+    /// How the field in the first camera's frame changes, nT/s, and how it would with the field at rest, by the rows before
+    /// and after; zero without them.
+    fn changes(&self, now: &Moment, next: Option<&Moment>, frame: AttitudeFrame) -> [Vector3<f64>; 2] {
         let near = |other: &Moment| (other.row.time_s - now.row.time_s).abs() <= LONGEST_STEP_S;
         let ends = self.before.as_ref().filter(|one| near(one)).zip(next.filter(|one| near(one)));
         let turns = ends.and_then(|(before, next)| Some((before, before.turns[0]?, next, next.turns[0]?)));
@@ -224,12 +226,6 @@ impl Statistics {
         }
         self.partial.settle();
     }
-}
-
-/// The rotation from the reference frame to a camera; None of what is no unit quaternion.
-pub fn turn([w, x, y, z]: [f64; 4]) -> Option<UnitQuaternion<f64>> {
-    let quaternion = Quaternion::new(w, x, y, z);
-    ((quaternion.norm() - 1.0).abs() < 1e-3).then(|| UnitQuaternion::from_quaternion(quaternion))
 }
 
 impl Take for Statistics {

@@ -1,7 +1,7 @@
 //! What the coefficients of a flight are made of: the twelve of the sensors and the first camera, and what may add to
 //! them, each a few directions in the space of all coefficients.
 
-use common::Axis;
+use common::{AttitudeFrame, Axis};
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::ARCSEC;
 use physics::{Kind, SUN_HARMONICS};
@@ -49,7 +49,7 @@ pub enum Term {
     /// The field of the Sun's direction, to the first degree, and that of the second.
     Sun,
     SunBeyond,
-    /// The readings, the attitudes or the rotation of the Earth are of another moment.
+    /// The readings, the attitudes or the rotation of the Earth are shifted in time.
     Readings,
     Attitude,
     Earth,
@@ -70,7 +70,7 @@ impl Term {
         all.extend((0..layout.currents.len()).map(Self::Current));
         all.extend([Self::Sun, Self::SunBeyond].into_iter().filter(|_| layout.sun));
         all.extend([Self::Readings, Self::Attitude]);
-        all.extend(Some(Self::Earth).filter(|_| layout.frame == "icrf"));
+        all.extend(Some(Self::Earth).filter(|_| layout.frame == AttitudeFrame::Icrf));
         all
     }
 
@@ -142,8 +142,8 @@ impl Term {
         };
         match self {
             Self::Turn(follows) => {
-                let cross = |k: usize| -ARCSEC * Vector3::ith(k, 1.0).cross_matrix();
-                (0..3).map(|k| followed(follows, cross(k) * axes.linear, cross(k) * axes.constant)).collect()
+                let of = |k: usize| followed(follows, turned(k) * axes.linear, turned(k) * axes.constant);
+                (0..3).map(of).collect()
             }
             Self::Offset(follows) => (0..3).map(|k| followed(follows, zero, -axes.unit(k))).collect(),
             Self::Scale(follows) => {
@@ -228,6 +228,11 @@ impl Space {
     }
 }
 
+/// What an arcsecond of a camera's turn about one of its axes adds to a field in its frame.
+pub fn turned(axis: usize) -> Matrix3<f64> {
+    -ARCSEC * Vector3::ith(axis, 1.0).cross_matrix()
+}
+
 /// The twelve: the coefficients of the three readings and of one.
 pub fn twelve(count: usize) -> Vec<Direction> {
     let place = |k: usize| (k / 4) * count + k % 4;
@@ -243,7 +248,7 @@ mod tests {
     fn each_parameter_has_a_direction() {
         let words = |text: &str| text.split(' ').map(String::from).collect();
         let layout = Layout {
-            frame: "icrf".into(),
+            frame: AttitudeFrame::Icrf,
             cameras: vec![1],
             temperatures: words("electronics_temperature_c bench_temperature_c"),
             currents: words("panel_a torquer_a"),

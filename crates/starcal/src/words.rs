@@ -14,8 +14,8 @@ pub fn term(term: Term) -> String {
         Term::Current(_) => "the field of a current".into(),
         Term::Sun => "a field that depends on the direction of the Sun".into(),
         Term::SunBeyond => "the same to the second degree".into(),
-        Term::Readings => "the readings are of another moment".into(),
-        Term::Attitude => "the attitudes are of another moment".into(),
+        Term::Readings => "the readings are shifted in time".into(),
+        Term::Attitude => "the attitudes are shifted in time".into(),
         Term::Earth => "the times are not UTC".into(),
     }
 }
@@ -39,10 +39,12 @@ pub fn delay(term: Term, found: &FlightTerm, leap_s: Option<f64>) -> Option<Find
     let by = abs(size);
     let words = match term {
         Term::Readings => format!(
-            "the readings are {by} s {late} against field and attitude: correct `time_s` of the readings; the fit allows for it"
+            "the readings are {by} s {late} against field and attitude: correct `time_s` of the readings and run again; the fit allows for it to first order"
         ),
         Term::Attitude => {
-            format!("the attitudes are {by} s {late}: correct their times; the fit allows for it")
+            format!(
+                "the attitudes are {by} s {late}: correct their times and run again; the fit allows for it to first order"
+            )
         }
         Term::Earth => {
             // GPS time had that of TAI less UTC in 1980, 19 s.

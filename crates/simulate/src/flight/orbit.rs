@@ -1,19 +1,19 @@
 //! The motion of a spacecraft: its place, its attitude, and the Sun.
 
+use common::AttitudeFrame;
 use common::time::Start;
-use mainfield::{Celestial, Place, RADIUS_KM, itrf_to_geo};
+use mainfield::{Celestial, EQUATOR_KM, Place, RADIUS_KM, itrf_to_geo};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use noise::Stream;
 use std::f64::consts::TAU;
 
+use super::FlightPlan;
 use super::errors::{Waves, uniform};
-use super::{AttitudeFrame, FlightPlan};
 use crate::orbit::Orbit;
 
 pub const DAY_S: f64 = 86_400.0;
-/// Equatorial radius of the Earth, m, and the square of its eccentricity (WGS 84).
-const EQUATOR_M: f64 = 6_378_137.0;
-const E2: f64 = (2.0 - 1.0 / 298.257_223_563) / 298.257_223_563;
+/// Equatorial radius of the Earth, m.
+const EQUATOR_M: f64 = 1000.0 * EQUATOR_KM;
 /// Second zonal coefficient of the Earth's gravity (IERS Conventions 2010).
 const J2: f64 = 1.082_635_9e-3;
 /// Length of a slew, s.
@@ -72,7 +72,7 @@ impl<'a> Motion<'a> {
         let outwards = plane * Vector3::x();
         let up = earth * outwards;
         let radius_m = 1000.0 * RADIUS_KM + self.plan.height_m;
-        let place = geodetic(&(up * radius_m));
+        let place = Place::of_itrf(&(up * (radius_m / 1000.0)));
         let geo = itrf_to_geo(place.latitude_deg.to_radians(), place.longitude_deg.to_radians());
         let mut swing = self.swings.at(time_s, &Vector3::zeros());
         let share = (time_s - self.slews[(time_s / DAY_S) as usize]) / SLEW_S;
@@ -113,20 +113,6 @@ impl Moment {
 pub fn turned(degrees: [f64; 3]) -> Matrix3<f64> {
     let [x, y, z] = degrees.map(|angle| -angle.to_radians());
     Rotation3::from_euler_angles(x, y, z).into_inner()
-}
-
-/// A place of ITRF, m, on the ellipsoid.
-fn geodetic(place: &Vector3<f64>) -> Place {
-    let across = place.xy().norm();
-    let mut latitude = place.z.atan2((1.0 - E2) * across);
-    let normal = |latitude: f64| EQUATOR_M / (1.0 - E2 * latitude.sin().powi(2)).sqrt();
-    for _ in 0..6 {
-        latitude = (place.z + E2 * normal(latitude) * latitude.sin()).atan2(across);
-    }
-    let (sin, cos) = latitude.sin_cos();
-    let height_m = across * cos + place.z * sin - EQUATOR_M * EQUATOR_M / normal(latitude);
-    let longitude_deg = place.y.atan2(place.x).to_degrees();
-    Place { latitude_deg: latitude.to_degrees(), longitude_deg, height_m }
 }
 
 /// The direction of the Sun in the frame of the date, to 0.01 degrees; the precession since 2000 is left out.

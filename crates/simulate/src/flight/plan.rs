@@ -2,7 +2,7 @@
 
 use common::number::bare;
 use common::time::Start;
-use common::{Error, Versioned, parse};
+use common::{AttitudeFrame, Error, Versioned, parse};
 use serde::{Deserialize, Serialize};
 
 /// A flight in a circular orbit. All of it has defaults.
@@ -46,20 +46,6 @@ pub struct FlightPlan {
     pub latency: LatencyPlan,
     /// Whether the field of IGRF-14 is written, `ambient_*_nt`.
     pub write_model: bool,
-}
-
-/// The frame from which the quaternions of the heads turn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "lowercase")]
-pub enum AttitudeFrame {
-    /// North, east and down at the place, geodetic.
-    Geo,
-    /// Fixed to the Earth.
-    Itrf,
-    /// Celestial.
-    #[default]
-    Icrf,
 }
 
 /// A head of a star camera; its boresight is its z axis.
