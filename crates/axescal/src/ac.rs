@@ -7,8 +7,8 @@ use estimate::sine::{self, Basis, Quantiser, Sine};
 use estimate::stats;
 use nalgebra::{Complex, DMatrix, DVector, Vector3};
 use physics::{Basic, Context};
-use std::cell::RefCell;
 use std::collections::HashMap;
+use std::sync::{PoisonError, RwLock};
 
 use crate::added::Added;
 use crate::observations::{Observation, Observations, sensor_column};
@@ -39,18 +39,18 @@ pub struct AcRun {
 /// subtracted, so that each is fitted once.
 #[derive(Default)]
 pub struct Fits {
-    sines: RefCell<HashMap<(usize, String), Sine>>,
-    bases: RefCell<HashMap<usize, Basis>>,
+    sines: RwLock<HashMap<(usize, String), Sine>>,
+    bases: RwLock<HashMap<usize, Basis>>,
 }
 
 impl Fits {
     fn sine(&self, recording: usize, column: &str, fit: impl FnOnce() -> Result<Sine>) -> Result<Sine> {
         let key = (recording, column.to_string());
-        if let Some(sine) = self.sines.borrow().get(&key) {
+        if let Some(sine) = self.sines.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
             return Ok(*sine);
         }
         let sine = fit()?;
-        self.sines.borrow_mut().insert(key, sine);
+        self.sines.write().unwrap_or_else(PoisonError::into_inner).insert(key, sine);
         Ok(sine)
     }
 
@@ -61,13 +61,12 @@ impl Fits {
         (time, hz): (&[f64], f64),
         values: &[f64],
     ) -> Result<[f64; 2], estimate::Error> {
-        let mut bases = self.bases.borrow_mut();
-        if let Some(basis) = bases.get(&recording) {
+        if let Some(basis) = self.bases.read().unwrap_or_else(PoisonError::into_inner).get(&recording) {
             return Ok(basis.cos_sin(values));
         }
         let basis = Basis::new(time, hz)?;
         let found = basis.cos_sin(values);
-        bases.insert(recording, basis);
+        self.bases.write().unwrap_or_else(PoisonError::into_inner).insert(recording, basis);
         Ok(found)
     }
 }

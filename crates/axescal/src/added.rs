@@ -106,12 +106,11 @@ pub fn effects(document: &Document) -> Result<Vec<EffectInstance>> {
 /// The reading with the effects and the gradients less the reading without, as field, for sensors and coils
 /// in these directions; None: as the document states them.
 pub fn added(
-    document: &Document,
+    (document, references): (&Document, References),
     effects: &[EffectInstance],
     places: &Places,
     directions: Option<Directions>,
 ) -> Result<Added> {
-    let references = References::of(document);
     let mut all = Added { recordings: vec![Vec::new(); document.recordings.len()], left_out: Vec::new() };
     for (index, recording) in document.recordings.iter().enumerate() {
         let acting: Vec<EffectInstance> =

@@ -7,7 +7,8 @@ use common::uncertainty::{self, By};
 use common::{AdoptedEffect, Code, Document, Finding, Quantity};
 use faer::Mat;
 use indexmap::IndexSet;
-use physics::{EffectInstance, LeftOut, Role};
+use physics::{EffectInstance, LeftOut, References, Role};
+use rayon::prelude::*;
 
 use crate::added::{Added, Directions, Places, added, effects};
 use crate::observe::observe_without;
@@ -22,6 +23,7 @@ const ROUNDS: usize = 2;
 /// The readings of a document, less what the model's effects and the gradients add to them.
 pub struct Modelled<'a> {
     document: &'a Document,
+    references: References,
     options: &'a Options,
     effects: Vec<EffectInstance>,
     places: Places,
@@ -31,7 +33,8 @@ pub struct Modelled<'a> {
 impl<'a> Modelled<'a> {
     pub fn of(document: &'a Document, options: &'a Options) -> Result<Self> {
         let (effects, places) = (effects(document)?, Places::of(document));
-        Ok(Self { document, options, effects, places, fits: ac::Fits::default() })
+        let references = References::of(document);
+        Ok(Self { document, references, options, effects, places, fits: ac::Fits::default() })
     }
 
     fn acts(&self) -> bool {
@@ -47,22 +50,35 @@ impl<'a> Modelled<'a> {
     pub fn observe(&self, directions: Option<Directions>) -> Result<Observations> {
         if !self.acts() || directions.is_none() {
             // Of recordings that cannot be read, no effect says why.
-            let as_read = observe_without(self.document, self.options, &Added::default(), &self.fits)?;
+            let as_read = self.observe_without(&Added::default())?;
             if !self.acts() {
                 return Ok(as_read);
             }
         }
-        let added = added(self.document, &self.effects, &self.places, directions)?;
-        let mut observations = observe_without(self.document, self.options, &added, &self.fits)?;
+        let added = self.added(&self.effects, &self.places, directions)?;
+        let mut observations = self.observe_without(&added)?;
         observations.findings.extend(words(&self.effects, &self.places, &added));
         Ok(observations)
+    }
+
+    fn added(
+        &self,
+        effects: &[EffectInstance],
+        places: &Places,
+        directions: Option<Directions>,
+    ) -> Result<Added> {
+        added((self.document, self.references), effects, places, directions)
+    }
+
+    fn observe_without(&self, added: &Added) -> Result<Observations> {
+        observe_without((self.document, self.references), self.options, added, &self.fits)
     }
 
     /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each
     /// unit, Δ the change of the readings.
     pub fn by(&self, observations: &Observations, solution: &Solution) -> Result<By> {
         let adopted = || self.document.model.iter().flat_map(|model| &model.effects);
-        let mut by = Vec::new();
+        let mut moves: Vec<(String, f64, Vec<EffectInstance>, Places)> = Vec::new();
         for (number, effect) in self.effects.iter().enumerate() {
             let Some(stated) = adopted().find(|one| stands_for(one, effect)) else { continue };
             for (place, info) in effect.kind.parameters().iter().enumerate() {
@@ -72,14 +88,15 @@ impl<'a> Modelled<'a> {
                 }
                 let mut moved = self.effects.clone();
                 moved[number].parameters[place] += std;
-                let shift = self.shift((&moved, &self.places), std, observations, solution)?;
-                by.push((uncertainty::effect(stated, info.name), shift));
+                moves.push((uncertainty::effect(stated, info.name), std, moved, self.places.clone()));
             }
         }
-        for (path, std, moved) in self.places.moved(self.document) {
-            by.push((path, self.shift((&self.effects, &moved), std, observations, solution)?));
-        }
-        Ok(by)
+        let places = self.places.moved(self.document).into_iter();
+        moves.extend(places.map(|(path, std, moved)| (path, std, self.effects.clone(), moved)));
+        let shift = |(path, std, effects, places): (String, f64, Vec<EffectInstance>, Places)| {
+            Ok((path, self.shift((&effects, &places), std, observations, solution)?))
+        };
+        moves.into_par_iter().map(shift).collect()
     }
 
     /// By how much the unknowns move for each unit of what was moved by `std`.
@@ -91,8 +108,7 @@ impl<'a> Modelled<'a> {
         solution: &Solution,
     ) -> Result<Vec<f64>> {
         let directions = Some((solution.fit.state.mu, solution.fit.state.eta));
-        let moved = added(self.document, effects, places, directions)?;
-        let moved = observe_without(self.document, self.options, &moved, &self.fits)?;
+        let moved = self.observe_without(&self.added(effects, places, directions)?)?;
         let change = |(before, after): (&Observation, &Observation)| {
             (after.value_nt - before.value_nt) / (before.std_nt * solution.noise.of(before) * std)
         };

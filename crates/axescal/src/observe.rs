@@ -19,12 +19,13 @@ const LEAST_DRIVE: f64 = 1e-3;
 
 /// Reads every recording of the procedure.
 pub fn observe(document: &Document, options: &Options) -> Result<Observations> {
-    observe_without(document, options, &Added::default(), &ac::Fits::default())
+    let references = References::of(document);
+    observe_without((document, references), options, &Added::default(), &ac::Fits::default())
 }
 
 /// Reads every recording of the procedure, less what effects add to its readings.
 pub fn observe_without(
-    document: &Document,
+    (document, references): (&Document, References),
     options: &Options,
     added: &Added,
     fits: &ac::Fits,
@@ -39,7 +40,6 @@ pub fn observe_without(
         return Err(Error::document("recordings", found, expected));
     }
     let sensors = sensors(document, &recordings, options)?;
-    let references = References::of(document);
     let mut all = Observations {
         orientations: Vec::new(),
         readings: Vec::new(),

@@ -51,10 +51,10 @@ impl<'a> Model<'a> {
         model.priors = felt.iter().map(|k| model.priors[*k]).collect();
         state.base = vec![0.0; felt.len()];
         let columns: Vec<&Vec<f64>> = felt.iter().map(|k| &jacobian[*k]).collect();
-        for k in undetermined(&columns)? {
-            if matches!(model.unknowns[k], Unknown::Chain(Parameter::SensorOffset(_), _)) {
-                model.priors[k].get_or_insert(OFFSET_NT);
-            }
+        let is_offset =
+            |k: &usize| matches!(model.unknowns[*k], Unknown::Chain(Parameter::SensorOffset(_), _));
+        for k in undetermined(&columns, (0..felt.len()).filter(is_offset).collect())? {
+            model.priors[k].get_or_insert(OFFSET_NT);
         }
         let state = model.with_past(state, 0)?;
         Ok((model, state))

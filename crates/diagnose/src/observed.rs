@@ -102,7 +102,7 @@ impl<'a> Observed<'a> {
                 );
                 observed.notes.push(what);
             }
-            let time_s = times.ok();
+            let time_s = times.ok().filter(|time| !time.is_empty());
             let run = Run { recording, path, setting, time_s, smooth: Vec::new() };
             if magnitude::alone(&run) {
                 observed.notes.push(magnitude::unseen(&recording.id));

@@ -47,8 +47,8 @@ pub fn coefficients(
     conditions: &Conditions,
     sides: &Sides,
 ) -> Result<Option<(CrossFieldFit, AcrossFindings)>> {
-    let Subject { document, sensor, .. } = of;
-    let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
+    let Subject { document, references, sensor, .. } = of;
+    let runs = runs(document, references, procedure::CROSS_FIELD, sensor)?;
     if runs.is_empty() {
         return Ok(None);
     }

@@ -108,10 +108,10 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document> {
         return Err(Error::Request(NOTHING.into()));
     }
     let sides = Sides::of(&document, options.axes_std_deg);
-    let mut found: Vec<SensorFindings> =
-        Axis::ALL.par_iter().map(|sensor| one(&document, *sensor, &sides)).collect::<Result<_>>()?;
-    in_passes(&document, &mut found, &sides)?;
     let references = References::of(&document);
+    let found = Axis::ALL.par_iter().map(|sensor| one((&document, references), *sensor, &sides));
+    let mut found: Vec<SensorFindings> = found.collect::<Result<_>>()?;
+    in_passes((&document, references), &mut found, &sides)?;
     let shield: Vec<Option<f64>> = found.iter().map(|found| shield(&found.calibration)).collect();
     let mut joint = Uncertainty::of(&document)?;
     for (sensor, mut found) in Axis::ALL.into_iter().zip(found) {
@@ -154,14 +154,21 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document> {
 }
 
 /// Scores the correction for fields across in two passes where all three sensors were read.
-fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -> Result<()> {
+fn in_passes(
+    (document, references): (&Document, References),
+    found: &mut [SensorFindings],
+    sides: &Sides,
+) -> Result<()> {
     let mut across = found.iter().filter_map(|found| found.across.as_ref());
     if across.all(|across| across.left_out.is_empty()) {
         return Ok(());
     }
     let mu = sides.solve(&[])?.mu;
     let units = Axis::ALL.map(|sensor| {
-        readings::runs(document, procedure::CROSS_FIELD, sensor).ok()?.first().map(|run| run.context.unit)
+        readings::runs(document, references, procedure::CROSS_FIELD, sensor)
+            .ok()?
+            .first()
+            .map(|run| run.context.unit)
     });
     for sensor in Axis::ALL {
         let Some(unit) = units[sensor.index()] else { continue };
@@ -176,7 +183,7 @@ fn in_passes(document: &Document, found: &mut [SensorFindings], sides: &Sides) -
         });
         let of = &mut found[sensor.index()];
         let Some(across) = &of.across else { continue };
-        let passes = passes::score(document, sensor, &across.left_out, (&sensors, &mu))?;
+        let passes = passes::score((document, references), sensor, &across.left_out, (&sensors, &mu))?;
         let held_out = of.calibration.cross_field.as_mut().and_then(|fit| fit.held_out.as_mut());
         if let (Some([first, second]), Some(held_out)) = (passes, held_out) {
             (held_out.first_pass_nt, held_out.second_pass_nt) = (Some(first), Some(second));
@@ -205,10 +212,14 @@ fn shield(calibration: &SensorCalibration) -> Option<f64> {
 }
 
 /// All six procedures on one sensor.
-fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFindings> {
-    let first = |unit: Unit| first_sensitivity(document, sensor, unit);
+fn one(
+    (document, references): (&Document, References),
+    sensor: Axis,
+    sides: &Sides,
+) -> Result<SensorFindings> {
+    let first = |unit: Unit| first_sensitivity((document, references), sensor, unit);
     let noise = noise::analyse(document, sensor, &first)?;
-    let of = Subject { document, sensor, measured: noise.as_ref() };
+    let of = Subject { document, references, sensor, measured: noise.as_ref() };
     let (temperature, conditions) = match temperature::coefficients(of)? {
         Some((fit, conditions)) => (Some(fit), conditions),
         None => (None, stated(document, sensor)?),
@@ -235,8 +246,13 @@ fn one(document: &Document, sensor: Axis, sides: &Sides) -> Result<SensorFinding
 
 /// The sensitivity as it is known before the fits, with its standard uncertainty: from straight lines through
 /// the recordings in a coil, else as the document states it, else nominal.
-fn first_sensitivity(document: &Document, sensor: Axis, unit: Unit) -> Option<(f64, f64)> {
-    let runs = readings::runs(document, procedure::SENSOR_SENSITIVITY, sensor).unwrap_or_default();
+fn first_sensitivity(
+    (document, references): (&Document, References),
+    sensor: Axis,
+    unit: Unit,
+) -> Option<(f64, f64)> {
+    let runs =
+        readings::runs(document, references, procedure::SENSOR_SENSITIVITY, sensor).unwrap_or_default();
     if runs.first().is_some_and(|run| run.context.unit == unit) {
         return Some((readings::first_sensitivity(&runs), 0.0));
     }

@@ -5,10 +5,11 @@ use common::{
     Axis, BandRms, Code, Document, Findings, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording,
     SensorNoise, SpectralLine, procedure, series,
 };
+use estimate::allan::Deviations;
 use estimate::even::evened;
 use estimate::periodogram::{Periodogram, periodogram};
+use estimate::stats;
 use estimate::whittle::{self, Estimate, White, WhittleFit};
-use estimate::{allan, stats};
 use physics::Unit;
 use rayon::prelude::*;
 
@@ -39,7 +40,7 @@ struct Series<'a> {
     rms_nt: f64,
     code_nt: Option<f64>,
     periodogram: Periodogram,
-    allan: Vec<allan::AllanPoint>,
+    allan: Deviations,
     field_nt: Vec<f64>,
     /// How far its times are from even ones, where it was interpolated, s.
     uneven_s: Option<f64>,
@@ -74,9 +75,6 @@ pub fn analyse(
     all.sort_by(|a, b| b.step_s.total_cmp(&a.step_s));
     let periodograms: Vec<Periodogram> = all.iter().map(|one| one.periodogram.clone()).collect();
     let fit = whittle::fit(&periodograms)?;
-    for one in &mut all {
-        one.allan = allan::of_noise(&one.field_nt, one.step_s, &fit)?;
-    }
     Ok(Some(result(&all, &fit, sensor)))
 }
 
@@ -118,14 +116,15 @@ fn read<'a>(
     let step_s = even.step_s;
     let field_nt: Vec<f64> = filled.into_iter().map(|value| k * value).collect();
     let count = field_nt.len() as f64;
-    let mean_nt = field_nt.iter().sum::<f64>() / count;
+    let mean_nt = stats::mean(&field_nt);
     let rms_nt = (field_nt.iter().map(|b| (b - mean_nt).powi(2)).sum::<f64>() / count).sqrt();
     if field_nt.iter().all(|field| *field == field_nt[0]) {
         let found = format!("the constant reading {}", reading[0]);
         let expected = "readings that vary: was the sensor connected, or is its noise below one quantisation step? Amplify before the converter";
         return Err(Error::document(column, found, expected));
     }
-    let periodogram = periodogram(&field_nt, step_s)?;
+    let (periodogram, allan) =
+        rayon::join(|| periodogram(&field_nt, step_s), || Deviations::of(&field_nt, step_s));
     let code_nt = code(reading).map(|code| code * k);
     Ok(Series {
         recording,
@@ -133,8 +132,8 @@ fn read<'a>(
         mean_nt,
         rms_nt,
         code_nt,
-        periodogram,
-        allan: Vec::new(),
+        periodogram: periodogram?,
+        allan: allan?,
         field_nt,
         uneven_s: even.uneven_s,
     })
@@ -182,7 +181,7 @@ fn result(all: &[Series<'_>], fit: &WhittleFit, sensor: Axis) -> SensorNoise {
             bands.into_iter().map(|band| BandRms { band_hz: band, flicker_rms_nt: rms(band) }).collect();
     }
     for (number, one) in all.iter().enumerate() {
-        for point in &one.allan {
+        for point in one.allan.of_noise(fit) {
             found.allan.push(number, point.averaging_s, point.deviation, point.band(0.95));
         }
         for line in &one.periodogram.lines {

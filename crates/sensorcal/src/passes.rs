@@ -6,7 +6,7 @@
 
 use common::{Axis, CrossFieldFit, Document, HeldOut, Quantity, procedure};
 use nalgebra::{Matrix3, Vector3};
-use physics::{Basic, Kind, Unit};
+use physics::{Basic, Kind, References, Unit};
 
 use crate::Result;
 use crate::departure::used;
@@ -103,13 +103,13 @@ pub struct Corrected {
 /// Rms of the readings that were left out after the first and the second pass; None where a recording does
 /// not have the readings of all three sensors. `mu` holds the sensors' directions in SEN.
 pub fn score(
-    document: &Document,
+    (document, references): (&Document, References),
     sensor: Axis,
     left_out: &[LeftOut],
     (sensors, mu): (&[Corrected; 3], &Matrix3<f64>),
 ) -> Result<Option<[f64; 2]>> {
     let Some(to_sen) = mu.transpose().try_inverse() else { return Ok(None) };
-    let runs = runs(document, procedure::CROSS_FIELD, sensor)?;
+    let runs = runs(document, references, procedure::CROSS_FIELD, sensor)?;
     let mut sums = [0.0; 2];
     for left in left_out {
         let run = &runs[left.run];

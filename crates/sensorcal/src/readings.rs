@@ -116,8 +116,12 @@ pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<
 }
 
 /// All runs of a procedure and a sensor.
-pub fn runs<'a>(document: &'a Document, procedure: &str, sensor: Axis) -> Result<Vec<Run<'a>>> {
-    let references = References::of(document);
+pub fn runs<'a>(
+    document: &'a Document,
+    references: References,
+    procedure: &str,
+    sensor: Axis,
+) -> Result<Vec<Run<'a>>> {
     let found = recordings(document, procedure, sensor)?;
     let runs: Vec<Run<'a>> = found
         .into_iter()

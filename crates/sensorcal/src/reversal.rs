@@ -11,7 +11,7 @@ use common::{
 use estimate::correlated::{self, Scale};
 use estimate::stats;
 use faer::Mat;
-use physics::{Context, References, Unit};
+use physics::{Context, Unit};
 
 use crate::conditions::Conditions;
 use crate::readings::{code, output, recordings, times};
@@ -151,7 +151,7 @@ pub fn one(
     sensitivity: Sensitivity<'_>,
     conditions: &Conditions,
 ) -> Result<Outcome> {
-    let Subject { document, sensor, .. } = of;
+    let Subject { document, references, sensor, .. } = of;
     let (reading, unit) = output(recording, path, sensor)?;
     let Some(position) = recording.column("position") else {
         let expected = "`position`, +1 or −1 in the order taken";
@@ -175,8 +175,7 @@ pub fn one(
         let expected = "the sensitivity, from a `sensor_sensitivity` recording or stated there, or `instrument.nominal_sensitivity_nt_per_v`";
         return Err(Error::document(key, "no such key", expected));
     };
-    let context =
-        Context::new(document, recording, References::of(document)).map_err(|error| error.at(path))?;
+    let context = Context::new(document, recording, references).map_err(|error| error.at(path))?;
     let contribution = conditions.contribution(&context, sensor, path)?;
     let field: Vec<f64> = (0..recording.rows())
         .map(|row| k * reading[row] - contribution.as_ref().map_or(0.0, |c| c.field_nt[row]))

@@ -45,8 +45,8 @@ pub struct Constants {
 
 /// Fits the line, and what it leaves out where the readings say so; None without a recording.
 pub fn calibrate(of: Subject<'_>, conditions: &Conditions) -> Result<Option<Constants>> {
-    let Subject { document, sensor, .. } = of;
-    let mut runs = runs(document, procedure::SENSOR_SENSITIVITY, sensor)?;
+    let Subject { document, references, sensor, .. } = of;
+    let mut runs = runs(document, references, procedure::SENSOR_SENSITIVITY, sensor)?;
     if runs.is_empty() {
         return Ok(None);
     }

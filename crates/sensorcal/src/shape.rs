@@ -1,6 +1,7 @@
 //! The noise on which the intervals of a fit rest.
 
 use common::{Axis, Document, Noise, SensorNoise};
+use physics::References;
 
 use crate::Result;
 use crate::allowed::{Allowed, Memory, More, Rows, WEIGHTY, undetermined};
@@ -45,6 +46,7 @@ pub struct Shape {
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     pub document: &'a Document,
+    pub references: References,
     pub sensor: Axis,
     pub measured: Option<&'a SensorNoise>,
 }
@@ -54,7 +56,7 @@ impl Subject<'_> {
     /// residuals. Beside noise that is known counts that of the field in the coils as the facility declares
     /// it. Rounding to codes of `code_nt` counts as white noise.
     pub fn shape(&self, code_nt: f64) -> Shape {
-        let Subject { document, sensor, measured } = *self;
+        let Subject { document, sensor, measured, .. } = *self;
         let declared = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
         let noisy = |noise: &Noise| noise.rms_nt(1e3, 1.0) > 0.0;
         let measured = measured.map(crate::noise::as_noise).filter(noisy);

@@ -20,8 +20,8 @@ use crate::sizes::Sized;
 
 /// Coefficients of a sensor, and what the other procedures need of them; None without a recording.
 pub fn coefficients(of: Subject<'_>) -> Result<Option<(TemperatureFit, Conditions)>> {
-    let Subject { document, sensor, .. } = of;
-    let runs = runs(document, procedure::TEMPERATURE_RUN, sensor)?;
+    let Subject { document, references, sensor, .. } = of;
+    let runs = runs(document, references, procedure::TEMPERATURE_RUN, sensor)?;
     if runs.is_empty() {
         return Ok(None);
     }

@@ -33,18 +33,15 @@ pub enum Unknown {
     },
 }
 
-/// Columns that the others say as well.
-pub(super) fn undetermined(columns: &[&Vec<f64>]) -> Result<Vec<usize>, Error> {
+/// Those of some columns that all the others say as well.
+pub(super) fn undetermined(columns: &[&Vec<f64>], some: Vec<usize>) -> Result<Vec<usize>, Error> {
     let rows = columns.first().map_or(0, |column| column.len());
     let block = Mat::from_fn(rows, columns.len() + 1, |i, j| columns.get(j).map_or(0.0, |column| column[i]));
     let screen = Screen::of_rows(block.as_ref());
-    let alone = |k: usize| -> Result<bool, Error> {
-        let others: Vec<usize> = (0..columns.len()).filter(|other| *other != k).collect();
-        Ok(screen.given(&others)?.visible(k) < SAME)
-    };
     let mut found = Vec::new();
-    for k in 0..columns.len() {
-        if alone(k)? {
+    for k in some {
+        let others: Vec<usize> = (0..columns.len()).filter(|other| *other != k).collect();
+        if screen.given(&others)?.visible(k) < SAME {
             found.push(k);
         }
     }

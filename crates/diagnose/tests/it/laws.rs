@@ -55,6 +55,20 @@ fn the_names_of_the_axes_do_not_matter() {
 }
 
 #[test]
+fn a_recording_without_rows_changes_nothing() {
+    let with_another = |document: &Value| {
+        let mut document = document.clone();
+        let recordings = document["recordings"].as_array_mut().expect("recordings");
+        let mut another = recordings[0].clone();
+        another["id"] = json!("without rows");
+        another["columns"].as_object_mut().expect("columns").values_mut().for_each(|rows| *rows = json!([]));
+        recordings.push(another);
+        document
+    };
+    each(|_, document| commutes("without rows", document, with_another, &Close::SOLVED));
+}
+
+#[test]
 fn amperes_by_another_measure_change_nothing_but_the_constants() {
     each(|_, document| {
         commutes("amperes", document, |document| laws::scale_volts(document, 0.73), &Close::SOLVED)

@@ -1,8 +1,9 @@
 //! The difference d = T − R η of one axis, as a document has it.
 
 use common::{AllanDeviation, DifferenceAxis, Quantity};
+use estimate::allan::Deviations;
+use estimate::stats;
 use estimate::whittle::Estimate;
-use estimate::{allan, stats};
 use paired::noise::Noise;
 
 use crate::Error;
@@ -20,7 +21,7 @@ pub fn describe(
     let quantity = |estimate: Estimate| Quantity::new(estimate.value, estimate.std);
     let fit = noise.fitted();
     let mut columns = AllanDeviation::default();
-    for point in allan::of_noise(difference, step_s, fit)? {
+    for point in Deviations::of(difference, step_s)?.of_noise(fit) {
         columns.push(0, point.averaging_s, point.deviation, point.band(0.95));
     }
     Ok(DifferenceAxis {

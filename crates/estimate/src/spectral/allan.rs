@@ -28,7 +28,7 @@ pub struct AllanPoint {
 ///
 /// with the N = n + 1 sums x_i of the first i samples, each less the mean of all.
 ///
-/// `exponent` gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of the samples' density
+/// `exponent` of [`Deviations::points`] gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of the samples' density
 /// that dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk). Degrees of freedom are
 ///
 /// - α = 0: (3(N − 1)/(2m) − 2(N − 2)/N) · 4m²/(4m² + 5),
@@ -45,37 +45,47 @@ pub struct AllanPoint {
 /// 5; the samples stand for fractional frequency, their sums for phase.
 ///
 /// Errors: [`Error::TooFew`] for fewer than 4 samples.
-pub fn overlapping(
-    samples: &[f64],
+pub struct Deviations {
     step_s: f64,
-    exponent: impl Fn(f64) -> f64 + Sync,
-) -> Result<Vec<AllanPoint>, Error> {
-    let longest = samples.len() / LEAST_AVERAGES;
-    if longest == 0 {
-        return Err(Error::TooFew { found: samples.len(), unknowns: LEAST_AVERAGES });
-    }
-    let sums = sums(samples);
-    let lengths: Vec<usize> =
-        std::iter::successors(Some(1), |m| Some(2 * m)).take_while(|m| *m <= longest).collect();
-    let point = |m: usize| {
-        let averaging_s = m as f64 * step_s;
-        let freedom = freedom(sums.len(), m, exponent(averaging_s));
-        AllanPoint { averaging_s, deviation: variance(&sums, m).sqrt(), freedom }
-    };
-    Ok(lengths.into_par_iter().map(point).collect())
+    /// Sums x_i.
+    sums: usize,
+    /// m, and the deviation of averages of so many samples.
+    of_lengths: Vec<(usize, f64)>,
 }
 
-/// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ) is
-/// above the white one, the greatest of those that were fitted, else white.
-///
-/// Errors: as [`overlapping`].
-pub fn of_noise(samples: &[f64], step_s: f64, noise: &WhittleFit) -> Result<Vec<AllanPoint>, Error> {
-    let rms = noise.white_rms.iter().map(|white| white.value).fold(0.0, f64::max);
-    let white = 2.0 * rms.powi(2) * step_s;
-    overlapping(samples, step_s, |averaging_s| {
-        let flicker = noise.flicker_density(0.5 / averaging_s).value;
-        if flicker > white { noise.exponent.value } else { 0.0 }
-    })
+impl Deviations {
+    /// Of a series.
+    pub fn of(samples: &[f64], step_s: f64) -> Result<Self, Error> {
+        let longest = samples.len() / LEAST_AVERAGES;
+        if longest == 0 {
+            return Err(Error::TooFew { found: samples.len(), unknowns: LEAST_AVERAGES });
+        }
+        let sums = sums(samples);
+        let lengths: Vec<usize> =
+            std::iter::successors(Some(1), |m| Some(2 * m)).take_while(|m| *m <= longest).collect();
+        let of_lengths = lengths.into_par_iter().map(|m| (m, variance(&sums, m).sqrt())).collect();
+        Ok(Self { step_s, sums: sums.len(), of_lengths })
+    }
+
+    /// With the degrees of freedom.
+    pub fn points(&self, exponent: impl Fn(f64) -> f64) -> Vec<AllanPoint> {
+        let point = |&(m, deviation): &(usize, f64)| {
+            let averaging_s = m as f64 * self.step_s;
+            AllanPoint { averaging_s, deviation, freedom: freedom(self.sums, m, exponent(averaging_s)) }
+        };
+        self.of_lengths.iter().map(point).collect()
+    }
+
+    /// The same of samples whose noise was fitted: the flicker's α where its density at the frequency 1/(2τ)
+    /// is above the white one, the greatest of those that were fitted, else white.
+    pub fn of_noise(&self, noise: &WhittleFit) -> Vec<AllanPoint> {
+        let rms = noise.white_rms.iter().map(|white| white.value).fold(0.0, f64::max);
+        let white = 2.0 * rms.powi(2) * self.step_s;
+        self.points(|averaging_s| {
+            let flicker = noise.flicker_density(0.5 / averaging_s).value;
+            if flicker > white { noise.exponent.value } else { 0.0 }
+        })
+    }
 }
 
 impl AllanPoint {

@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use fourier::Complex;
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::cross_spectrum::{LEAST_SAMPLES, WIDEST_BIN, bins};
@@ -125,7 +126,8 @@ fn averages(coefficients: &[f64], left_out: &[bool], step_s: f64) -> Vec<Bin> {
             count: 0.5 * count,
         })
     };
-    bins(coefficients.len(), WIDEST_BIN).filter_map(average).collect()
+    let places: Vec<Range<usize>> = bins(coefficients.len(), WIDEST_BIN).collect();
+    places.into_par_iter().filter_map(average).collect()
 }
 
 /// The largest even length with small prime factors only, if it leaves out no more than a hundredth; else the

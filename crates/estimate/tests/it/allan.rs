@@ -1,7 +1,7 @@
 //! The Allan deviation by octaves, and its interval against the truth of simulated noise.
 
 use estimate::Error;
-use estimate::allan::overlapping;
+use estimate::allan::{AllanPoint, Deviations};
 use noise::{Stream, power_law, random_walk};
 use std::f64::consts::PI;
 
@@ -9,6 +9,14 @@ use crate::made::white;
 
 /// Samples of a simulated series.
 const COUNT: usize = 512;
+
+fn overlapping(
+    samples: &[f64],
+    step_s: f64,
+    exponent: impl Fn(f64) -> f64,
+) -> Result<Vec<AllanPoint>, Error> {
+    Ok(Deviations::of(samples, step_s)?.points(exponent))
+}
 
 /// In 2000 series of made noise the 95 % interval holds the true deviation in 93 to 97 %, and the mean of the
 /// estimated variance is the true one.
