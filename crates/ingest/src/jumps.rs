@@ -5,7 +5,7 @@ use estimate::cadence::Cadence;
 use serde::Serialize;
 
 use crate::clock::{self, Clock, SECOND_NS};
-use crate::series::Series;
+use crate::series::{Series, even_step_ns};
 
 /// Jumps that are said and listed one by one.
 const LISTED: usize = 20;
@@ -24,7 +24,7 @@ pub struct Jump {
 /// The jumps of a series, with what is said of each.
 pub fn jumps(series: &Series, begin_ns: i64) -> Vec<(Jump, String)> {
     let times: Vec<f64> = match series.times_ns.first() {
-        Some(first) if series.clock != Clock::None => {
+        Some(first) if series.clock != Clock::None && even_step_ns(&series.times_ns).is_none() => {
             series.times_ns.iter().map(|time| (time - first) as f64 / SECOND_NS as f64).collect()
         }
         _ => Vec::new(),

@@ -46,13 +46,18 @@ pub struct Gap {
     pub seconds: f64,
 }
 
+/// The step of rising times that is the same throughout, ns.
+pub fn even_step_ns(times_ns: &[i64]) -> Option<i64> {
+    let step_ns = times_ns.get(1)? - times_ns.first()?;
+    (step_ns > 0 && times_ns.windows(2).all(|pair| pair[1] - pair[0] == step_ns)).then_some(step_ns)
+}
+
 /// The usual step of rising times, s: the median, or where they were printed to the millisecond or
 /// microsecond and are even but for that, the step that they were printed of (62.5 ms, not 62 or 63); None
 /// for fewer than two rows.
 pub fn step_s(times_ns: &[i64]) -> Option<f64> {
-    let first = times_ns.get(1)? - times_ns.first()?;
-    if first > 0 && times_ns.windows(2).all(|pair| pair[1] - pair[0] == first) {
-        return Some(first as f64 / SECOND_NS as f64);
+    if let Some(step_ns) = even_step_ns(times_ns) {
+        return Some(step_ns as f64 / SECOND_NS as f64);
     }
     let mut steps: Vec<i64> =
         times_ns.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0).collect();

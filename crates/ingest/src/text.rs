@@ -2,15 +2,19 @@
 
 use bytes::Bytes;
 use memchr::{memchr, memchr_iter};
+use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 use std::borrow::Cow;
 use std::fmt::Display;
-use std::fs;
-use std::io::Read;
+use std::fs::{self, File};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::Error;
 use tables::{Content, Place, fault};
+
+/// Bytes that a thread reads at once.
+const PART: usize = 1 << 22;
 
 pub struct Source {
     /// As messages name it: as it was given.
@@ -45,7 +49,7 @@ impl Source {
             std::io::stdin().read_to_end(&mut bytes).map_err(failed)?;
             (bytes, "standard input".to_string())
         } else {
-            (fs::read(path).map_err(failed)?, path.display().to_string())
+            (whole(path).map_err(failed)?, path.display().to_string())
         };
         let named = path.file_name().filter(|name| *name != "-");
         let name = named.map_or_else(|| shown.clone(), |name| name.to_string_lossy().into_owned());
@@ -73,6 +77,22 @@ impl Source {
     pub fn fault(&self, place: Place, found: impl Display, expected: impl Display) -> Error {
         fault(&self.shown, place, found, expected)
     }
+}
+
+/// All of a file; of a long one several threads read a part each, for most of that time makes room in memory.
+fn whole(path: &Path) -> io::Result<Vec<u8>> {
+    let metadata = fs::metadata(path)?;
+    let parts = metadata.len().div_ceil(PART as u64) as usize;
+    if !metadata.is_file() || parts < 2 {
+        return fs::read(path);
+    }
+    let mut bytes = vec![0; metadata.len() as usize];
+    bytes.par_chunks_mut(PART).enumerate().try_for_each(|(number, part)| {
+        let mut file = File::open(path)?;
+        file.seek(SeekFrom::Start((number * PART) as u64))?;
+        file.read_exact(part)
+    })?;
+    Ok(bytes)
 }
 
 fn sha256(bytes: &[u8]) -> String {

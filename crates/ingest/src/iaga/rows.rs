@@ -8,6 +8,7 @@ use crate::number;
 use crate::parts::{Room, RowFault, Rows, in_parts};
 use crate::text::{Source, quoted, split_line};
 use common::number::counted;
+use rayon::prelude::*;
 
 /// A row has a date, a time of day, a day of the year and a value.
 const LEAST_BYTES: usize = 20;
@@ -31,7 +32,7 @@ pub fn read(source: &Source, header: &Header, components: &[char], trust_rows: b
         parser.check_end(data, &rows).map_err(|fault| fault.of(source))?;
     }
     let not_observed =
-        rows.columns.iter_mut().map(|values| fill::without(values, true).not_observed).collect();
+        rows.columns.par_iter_mut().map(|values| fill::without(values, true).not_observed).collect();
     Ok(Data { rows, not_observed })
 }
 
