@@ -2,6 +2,7 @@
 //! one, sensitivities that are not zero, covariances that can be.
 
 use faer::{Mat, Scale};
+use serde::Serialize;
 use std::collections::HashSet;
 
 use crate::number::{bare, counted};
@@ -40,6 +41,11 @@ pub(crate) fn constants(calibration: &Calibration) -> Result<(), Error> {
         let path = format!("calibration.reference_conditions.{part}_temperature_c");
         temperature.map_or(Ok(()), |temperature| range::number(path, temperature))
     })
+}
+
+/// What a facility or an instrument declares is such as there are.
+pub(crate) fn declared(key: &str, part: &impl Serialize) -> Result<(), Error> {
+    serde_json::to_value(part).map_or(Ok(()), |part| range::numbers(key, key, &part))
 }
 
 /// Holds a calibration to all of them.

@@ -2,11 +2,12 @@
 
 use crate::Error;
 use crate::number::{bare, quoted};
+use serde_json::Value;
 
 /// How names of columns, conditions and constants end, with the lowest and the highest value: constants of an
 /// instrument by name, all else by its unit. The strongest steady magnets make 45 T; a magnetometer of 1 T has
 /// little to do with the field of the Earth, nor has a coil of 0.1 T/A.
-const BOUNDS: [(&str, [f64; 2]); 8] = [
+const BOUNDS: [(&str, [f64; 2]); 9] = [
     ("constant_nt_per_a", [-1e8, 1e8]),
     ("sensitivity_nt_per_v", [-1e9, 1e9]),
     ("sensitivity_nt_per_nt", [-1e6, 1e6]),
@@ -15,6 +16,8 @@ const BOUNDS: [(&str, [f64; 2]); 8] = [
     ("_v", [-1e6, 1e6]),
     ("_a", [-1e6, 1e6]),
     ("_c", [-273.15, 1e4]),
+    // A turn.
+    ("_arcsec", [-1.296e6, 1.296e6]),
 ];
 
 /// The range of a proton magnetometer, the scalar reference where the facility states no range, nT (NASA).
@@ -29,13 +32,37 @@ pub fn bounds(column: &str) -> [f64; 2] {
     BOUNDS.iter().find(|(unit, _)| column.ends_with(unit)).map_or([f64::MIN, f64::MAX], |(_, bounds)| *bounds)
 }
 
+/// The numbers of a part of a document, each by the key that it or its list has.
+///
+/// # Errors
+///
+/// A number that no instrument has.
+pub(crate) fn numbers(path: &str, key: &str, part: &Value) -> Result<(), Error> {
+    match part {
+        Value::Number(value) => within(bounds(key), path, value.as_f64().unwrap_or(f64::NAN)),
+        Value::Array(list) => {
+            let mut items = list.iter().enumerate();
+            items.try_for_each(|(place, item)| numbers(&format!("{path}[{place}]"), key, item))
+        }
+        Value::Object(map) => map.iter().try_for_each(|(own, item)| {
+            // A quantity has the unit of its key.
+            let unit = if ["value", "std"].contains(&own.as_str()) { key } else { own };
+            numbers(&format!("{path}.{own}"), unit, item)
+        }),
+        _ => Ok(()),
+    }
+}
+
 /// A number of a document, which may be undetermined, by the key at the end of its path.
 ///
 /// # Errors
 ///
 /// A number that no instrument has.
 pub(crate) fn number(path: String, value: f64) -> Result<(), Error> {
-    let [low, high] = bounds(&path);
+    within(bounds(&path), &path, value)
+}
+
+fn within([low, high]: [f64; 2], path: &str, value: f64) -> Result<(), Error> {
     if value < low || value > high {
         let expected = format!("a number between {} and {}; is it in another unit?", bare(low), bare(high));
         return Err(Error::document(path, quoted(value), expected));

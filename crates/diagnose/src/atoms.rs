@@ -13,6 +13,9 @@ use crate::proposal::{Addition, Proposal};
 use crate::stacked::Stacked;
 use crate::what::What;
 
+/// The rms of a column that is nothing, of which sizes are still numbers.
+const NOTHING: f64 = 1e-100;
+
 /// One of the things that may explain.
 #[derive(Clone, Debug)]
 pub struct Atom {
@@ -284,14 +287,14 @@ fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
         |trial: &Trial| Shape { form: trial.fuller.clone(), ..Shape::of(trial.shape, trial.columns.clone()) };
     let shapes: Vec<Shape> = candidate.trials.iter().map(of).collect();
     let first: &[usize] = shapes.first().map_or(&[], |shape| &shape.columns);
-    let rms = |column: &usize| rms(&pool.columns[*column]).max(f64::MIN_POSITIVE);
+    let rms = |column: &usize| rms(&pool.columns[*column]).max(NOTHING);
     let (thing, sizes) = match &candidate.what {
         What::Physics(effect) if candidate.finite => {
             (Thing::Effect(effect.clone()), vec![(0.0, vec![1.0; first.len()])])
         }
         What::Physics(effect) if effect.kind.about().acts == Acts::WithColumn("") => {
             // A column of any unit: by what the sensor that follows it most would do.
-            let most = first.iter().map(rms).fold(f64::MIN_POSITIVE, f64::max);
+            let most = first.iter().map(rms).fold(NOTHING, f64::max);
             let range = [0.01 * measure.noise_nt / most, 10.0 * measure.residual_nt / most];
             (Thing::Effect(effect.clone()), sizes(&vec![range; first.len()]))
         }

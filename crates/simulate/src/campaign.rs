@@ -123,6 +123,7 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
     if plan.procedures.is_empty() {
         return Err(Error::document("procedures", "an empty list", "at least one procedure"));
     }
+    document.check()?;
     check_noise(plan)?;
     check_timing(&plan.timing)?;
     let unit = unit(&document, &plan.truth);

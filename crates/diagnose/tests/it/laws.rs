@@ -68,6 +68,18 @@ fn a_recording_without_rows_changes_nothing() {
     each(|_, document| commutes("without rows", document, with_another, &Close::SOLVED));
 }
 
+/// A column that moves in another recording only is zero where there are readings: no size is beyond numbers.
+#[test]
+fn a_column_of_another_recording_is_no_fault() {
+    let readings: Vec<f64> = (0..16).map(|row| 20_900.0 + 8.0 * (0.2 * f64::from(row)).sin()).collect();
+    let times: Vec<f64> = (0..16).map(|row| 0.5 * f64::from(row)).collect();
+    let document = json!({"fluxcal": 1, "recordings": [
+        {"id": "days", "procedure": "free_run", "columns": {"time_s": [0, 86_400, 172_800], "battery_v": [12.1, 12.2, 12.4]}},
+        {"id": "field", "procedure": "free_run", "columns": {"time_s": times, "sensor_x_nt": readings}},
+    ]});
+    assert!(run(&document)["diagnosis"][0]["verdict"].is_string());
+}
+
 #[test]
 fn amperes_by_another_measure_change_nothing_but_the_constants() {
     each(|_, document| {

@@ -1,10 +1,10 @@
 //! How a text file writes its table: separator, decimal mark, comments, the lines above the rows.
 
-use tables::Place;
+use tables::{COLUMN_LIMIT, Place};
 
 use crate::Error;
 use crate::clock;
-use crate::delimited::fields;
+use crate::delimited::{fields, too_many};
 use crate::mapping::Mapping;
 use crate::text::{Source, decoded, lines};
 use crate::units;
@@ -50,6 +50,10 @@ impl Notation {
         let Some(separator) = separator(&table) else {
             return none(if table.len() == 1 { "one line of words and no row" } else { "no row of numbers" });
         };
+        let mut widths = table.iter().map(|(number, line)| (*number, fields(line, separator).len()));
+        if let Some((line, width)) = widths.find(|(_, width)| *width > COLUMN_LIMIT) {
+            return Err(too_many(source, line, width));
+        }
         let of_line = |line: &[u8]| -> Vec<String> {
             fields(line, separator).into_iter().map(|field| decoded(field).trim().to_string()).collect()
         };
@@ -141,7 +145,7 @@ fn separator(table: &[(u32, &[u8])]) -> Option<char> {
     let share = |separator: char| {
         let (mut values, mut all) = (0, 0);
         for (_, line) in lines {
-            let cells = fields(line, separator);
+            let cells: Vec<&[u8]> = fields(line, separator).into_iter().take(COLUMN_LIMIT).collect();
             all += cells.iter().filter(|cell| !cell.trim_ascii().is_empty()).count();
             values += cells.iter().filter(|cell| is_value(&decoded(cell))).count();
         }

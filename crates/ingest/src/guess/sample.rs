@@ -66,9 +66,6 @@ impl Sample {
     fn of_text(source: &Source) -> Result<Self, Error> {
         let mut notation = Notation::of(source, ROWS)?;
         let width = notation.width;
-        if width > COLUMN_LIMIT {
-            return Err(crate::delimited::too_many(source, notation.mapping.header_line.unwrap_or(1), width));
-        }
         if let Some(columns) = hapi::header(&source.bytes) {
             if columns.len() != width {
                 let found = format!("{} in the first row", counted(width, "value"));
