@@ -110,9 +110,8 @@ pub const LINES: [Line; 91] = {
         line(DOC, 5, "report IN", Text),
         line(DOC, 7, "report --text IN", Text),
         line(DOC, 3, "report --text --spec fixtures/specs/magsat.json IN", Text),
-        // Without noise, which programs that measure it refuse.
-        line(DOC, 3, "simulate replay IN", Text),
-        line(DOC, 5, "simulate replay --noise IN", TO_DOC),
+        line(DOC, 5, "simulate replay IN", TO_DOC),
+        line(DOC, 3, "simulate replay --noise IN", TO_DOC),
         line(DOC, 3, "ingest --add IN fixtures/ingest/field.csv", TO_DOC),
         line(DOC, 2, "series average --window 300 IN", TO_DOC),
         line(DOC, 1, "series average --window 7.5 --share 0.9 IN", TO_DOC),
@@ -210,14 +209,12 @@ pub fn next(program: &str) -> &'static [&'static str] {
         "series" => &["report --text"],
         "coilcal" => &["sensorcal", "axescal", "diagnose", "correct", "report --text", "coilcal"],
         "sensorcal" => &["axescal", "diagnose", "correct", "report", "sensorcal"],
-        "axescal" => {
-            &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay --noise"]
-        }
+        "axescal" => &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay"],
         "diffmag" => &["report --text", "diffmag", "correct"],
         "scalarcal" => &["report --text", "correct", "diagnose", "scalarcal"],
         "absolute" => &["report --text", "correct", "absolute"],
         "starcal" => &["report --text", "correct", "diagnose", "starcal"],
-        "diagnose" => &["correct", "report --text", "diagnose", "simulate replay --noise"],
+        "diagnose" => &["correct", "report --text", "diagnose", "simulate replay"],
         "correct" => &["report --text", "diagnose", "correct"],
         _ => &[],
     }
