@@ -21,11 +21,9 @@ pub struct Table {
     pub moments: Vec<(String, Vec<Option<i64>>)>,
     /// Variables of numbers; a vector has a column for each component.
     pub columns: Vec<Column>,
-    /// Words for people: what became missing, what was left out.
     pub notes: Vec<String>,
 }
 
-/// A column of numbers.
 pub struct Column {
     /// Its name: that of the variable, of a vector with `_x`, `_y`, `_z` or the component's number.
     pub name: String,
@@ -38,7 +36,6 @@ pub struct Column {
 }
 
 impl Table {
-    /// Reads a file.
     pub fn of(source: &Source) -> Result<Self, Error> {
         let cdf = Cdf::parse(&source.bytes).map_err(|error| {
             source.fault(Place::Whole, error.to_string(), "a CDF of version 3 in one file")
@@ -122,11 +119,8 @@ fn unit_of(unit: &str) -> String {
     }
 }
 
-/// Reads a file by a mapping; times are those of a variable of moments (`unix_ns`) or of numbers.
-///
-/// # Errors
-///
-/// A variable that is not there, or has other records than the times; a time that is missing.
+/// Reads a file by a mapping; times are those of a variable of moments (`unix_ns`) or of numbers. Errors: a
+/// variable that is not there, or has other records than the times; a time that is missing.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let table = Table::of(source)?;
     let times = Times::new(source, mapping.time.as_ref(), '.')?;

@@ -16,12 +16,9 @@ use crate::times::Times;
 pub use fields::fields;
 use parser::{Parser, Slot};
 
-/// Reads a file.
-///
-/// # Errors
-///
-/// A header without a column that the mapping names; with line and column, a value that is no number in the
-/// mapping's notation or no time, a row with more or fewer values than the header has names.
+/// Reads a file. Errors: a header without a column that the mapping names; with line and column, a value that
+/// is no number in the mapping's notation or no time, a row with more or fewer values than the header has
+/// names.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), mapping.decimal)?;
     let (names, first_line, data) = header(source, mapping)?;
@@ -41,6 +38,7 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
         return Err(too_many(source, mapping.header_line.unwrap_or(1), width));
     }
     let parser = Parser {
+        source,
         mapping,
         times: &times,
         slots: slots(source, mapping, names.as_deref(), width)?,
@@ -48,11 +46,9 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
         names,
     };
     let parse = |part: &[u8], line: u32, room: &mut Room| parser.parse(part, line, room, &is_row);
-    let rows = in_parts(data, first_line, mapping.columns.len(), width, parse);
-    let mut piece = Piece::mapped(source, "CSV", mapping, &times, rows.map_err(|fault| fault.of(source))?)?;
-    if std::str::from_utf8(&source.bytes[..source.bytes.len() - data.len()]).is_err() {
-        piece.notes.push("the header is not in UTF-8 and was read as Latin-1".into());
-    }
+    let rows = in_parts(data, first_line, mapping.columns.len(), width, parse)?;
+    let mut piece = Piece::mapped(source, "CSV", mapping, &times, rows)?;
+    piece.notes.extend(source.latin_1(source.bytes.len() - data.len()));
     if !source.bytes.ends_with(b"\n") {
         let words = "the last line has no end; if the file was cut, its last value may be cut too";
         piece.notes.push(words.into());
@@ -65,7 +61,7 @@ pub fn too_many(source: &Source, line: u32, width: usize) -> Error {
     let expected = format!(
         "at most {COLUMN_LIMIT}; is the separator right, and is it a table with a row for each time?"
     );
-    source.fault(Place::Line(line.into()), counted(width, "column"), expected)
+    source.in_line(line, counted(width, "column"), expected)
 }
 
 /// Names of the columns where a line has them, the number of the line of the first row, and the text from
@@ -106,17 +102,19 @@ fn slots(
     let values =
         mapping.columns.iter().enumerate().map(|(number, column)| (&column.from, Slot::Value(number)));
     for (from, slot) in times.chain(values) {
-        let place = Place::Line(mapping.header_line.unwrap_or(1).into());
+        let fault = |found: String, expected: &str| {
+            Err(source.in_line(mapping.header_line.unwrap_or(1), found, expected))
+        };
         let column = match (from, names) {
             (SourceColumn::Number(number), _) if number.get() <= width => number.get() - 1,
             (SourceColumn::Number(number), _) => {
                 let expected = format!("column {number}, which the mapping takes");
-                return Err(source.fault(place, counted(width, "column"), expected));
+                return fault(counted(width, "column"), &expected);
             }
             (SourceColumn::Name(name), None) => {
                 let expected =
                     format!("`header_line` in the mapping, so that {name:?} can be found, or its number");
-                return Err(source.fault(place, "no names of columns", expected));
+                return fault("no names of columns".into(), &expected);
             }
             (SourceColumn::Name(name), Some(names)) => {
                 let mut met = (0..width).filter(|column| names[*column] == name.trim());
@@ -124,19 +122,18 @@ fn slots(
                     (Some(column), None) => column,
                     (Some(_), Some(_)) => {
                         let expected = "in the mapping, the number of the one that is meant";
-                        return Err(source.fault(place, format!("two columns {name:?}"), expected));
+                        return fault(format!("two columns {name:?}"), expected);
                     }
                     (None, _) => {
                         let found = format!("no column {name:?} among {}", listed(names, 20));
                         let expected = "the columns that the mapping takes; is its separator right?";
-                        return Err(source.fault(place, found, expected));
+                        return fault(found, expected);
                     }
                 }
             }
         };
         if slots[column] != Slot::Skipped {
-            let found = format!("column {} twice", column + 1);
-            return Err(source.fault(place, found, "each column once in the mapping"));
+            return fault(format!("column {} twice", column + 1), "each column once in the mapping");
         }
         slots[column] = slot;
     }

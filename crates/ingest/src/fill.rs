@@ -33,14 +33,13 @@ mod tests {
 
     #[test]
     fn what_stands_for_missing() {
-        let mut values = [
-            [99_999.0, 99_999.9, 99_999.99, -99_999.0, -1e31, f64::from(1e31_f32)],
-            [88_888.0, 88_888.88, 888_888.0, 48_520.3, 50_000.0, 1.0],
-        ]
-        .concat();
-        assert_eq!(without(&mut values, true), Fill { missing: 6, not_observed: 3 });
-        assert!(values[..9].iter().all(|value| value.is_nan()));
-        assert_eq!(values[9..], [48_520.3, 50_000.0, 1.0]);
+        let readings = [48_520.3, 50_000.0, 1.0];
+        let [missing, not_observed] = [[99_999.0, 99_999.9, -99_999.99], [88_888.0, -88_888.88, 888_888.0]];
+        let cdf = [-1e31, f64::from(1e31_f32)];
+        let mut values = [&missing[..], &not_observed, &cdf, &readings].concat();
+        assert_eq!(without(&mut values, true), Fill { missing: 5, not_observed: 3 });
+        assert!(values[..8].iter().all(|value| value.is_nan()));
+        assert_eq!(values[8..], readings);
         let mut seconds = [99_999.0, -1e31];
         assert_eq!(without(&mut seconds, false), Fill { missing: 1, not_observed: 0 });
         assert_eq!(seconds[0], 99_999.0);

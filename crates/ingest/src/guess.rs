@@ -64,11 +64,8 @@ fn of(source: &Source, quantity: &str) -> Result<Guess, Error> {
     Ok(guess)
 }
 
-/// The mapping that a file itself says, without any doubt, and what was taken as usual.
-///
-/// # Errors
-///
-/// What the file does not say.
+/// The mapping that a file itself says, without any doubt, and what was taken as usual. Errors: what the file
+/// does not say.
 pub fn certain(source: &Source, quantity: &str) -> Result<(Mapping, Vec<String>), Error> {
     let guess = of(source, quantity)?;
     if guess.doubts.is_empty() {

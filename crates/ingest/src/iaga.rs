@@ -17,12 +17,8 @@ use crate::{Error, Options};
 pub use components::{convert, letter, put};
 use header::Header;
 
-/// Reads a file.
-///
-/// # Errors
-///
-/// A header that is not one, or says something else than the titles or rows; with line and column, a row that
-/// is none.
+/// Reads a file. Errors: a header that is not one, or says something else than the titles or rows; with line
+/// and column, a row that is none.
 pub fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     let header = Header::read(source)?;
     let mut piece = Piece::of(source, "IAGA-2002");
@@ -40,10 +36,7 @@ pub fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     piece.header = header.kept();
     let base = options.declination_base_arcmin.or(header.declination_base_arcmin());
     put(&mut piece, source, (&components, data.rows.columns), base, options)?;
-    let rows_begin = source.bytes.len() - header.data(source).len();
-    if std::str::from_utf8(&source.bytes[..rows_begin]).is_err() {
-        piece.notes.push("the header is not in UTF-8 and was read as Latin-1".into());
-    }
+    piece.notes.extend(source.latin_1(source.bytes.len() - header.data(source).len()));
     Ok(piece)
 }
 

@@ -24,11 +24,8 @@ const KEPT: [(&str, &str); 9] = [
     ("PublicationDate", "publication date"),
 ];
 
-/// Reads a file; None for a CDF that is not INTERMAGNET's.
-///
-/// # Errors
-///
-/// No components; components of one time with other numbers of records.
+/// Reads a file; None for a CDF that is not INTERMAGNET's. Errors: no components; components of one time with
+/// other numbers of records.
 pub fn read(source: &Source, options: &Options) -> Result<Option<Piece>, Error> {
     let mut table = Table::of(source)?;
     let format = table.cdf.text("FormatDescription").unwrap_or_default();
@@ -99,9 +96,7 @@ pub fn read(source: &Source, options: &Options) -> Result<Option<Piece>, Error> 
 }
 
 enum Element {
-    /// A component by its letter.
     Field(char),
-    /// A temperature by its number.
     Temperature(u32),
 }
 

@@ -7,13 +7,10 @@ use serde::Serialize;
 use crate::clock::{self, Clock, SECOND_NS};
 use crate::series::{Series, even_step_ns};
 
-/// Jumps that are said and listed one by one.
 const LISTED: usize = 20;
 
-/// A jump of the times, as the document keeps it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Jump {
-    /// The row before it, s.
     pub after_s: f64,
     /// The first row after it, from 0.
     pub row: usize,
@@ -50,14 +47,8 @@ mod tests {
     #[test]
     fn a_jump_is_said_with_place_and_size() {
         let times_ns = (0..300).map(|row| row * SECOND_NS + if row < 120 { 0 } else { SECOND_NS * 3 / 10 });
-        let series = Series {
-            clock: Clock::Utc,
-            times_ns: times_ns.collect(),
-            columns: IndexMap::new(),
-            merged: 0,
-            disagreeing: 0,
-            sorted: 0,
-        };
+        let (times_ns, columns) = (times_ns.collect(), IndexMap::new());
+        let series = Series { clock: Clock::Utc, times_ns, columns, merged: 0, disagreeing: 0, sorted: 0 };
         let found = jumps(&series, 0);
         assert_eq!(found.len(), 1);
         let (jump, words) = &found[0];

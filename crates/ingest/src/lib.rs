@@ -4,8 +4,8 @@
 //! joins them in the order of time and adds them as one recording. A long series goes beside the document as
 //! a [`Table`]. Nothing is written here.
 //!
-//! The content of a file decides what it is (`tables::Content`). `iaga`, `intermagnet`, `imagcdf`,
-//! `cdf`, `usgs`, `delimited`, `ndjson` and `parquet` each give a `Piece`: moments in whole nanoseconds, columns in the
+//! The content of a file decides what it is (`tables::Content`). `iaga`, `observatory`, `imagcdf`,
+//! `cdf`, `delimited`, `ndjson` and `parquet` each give a `Piece`: moments in whole nanoseconds, columns in the
 //! document's units, and the line of each row, so that every later fault can name its place. Text is parsed
 //! in parts of a megabyte on all cores; the first fault by line counts. `raw` applies what a mapping says of
 //! values before they are converted (fill values, two's complement, valid range), for all formats alike.
@@ -23,12 +23,12 @@ mod fill;
 mod guess;
 mod iaga;
 mod imagcdf;
-mod intermagnet;
 mod jumps;
 mod mapping;
 mod nasa;
 mod ndjson;
 mod number;
+mod observatory;
 mod parquet;
 mod parts;
 mod piece;
@@ -39,7 +39,6 @@ mod sheets;
 mod text;
 mod times;
 mod units;
-mod usgs;
 mod words;
 
 pub use common::Error;
@@ -149,10 +148,7 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     if options.mapping.is_none() {
         let says_itself = match source.kind {
             Content::Cdf => imagcdf::read(source, options)?,
-            _ => match intermagnet::read(source, options)? {
-                None => usgs::read(source, options)?,
-                piece => piece,
-            },
+            _ => observatory::read(source, options)?,
         };
         if let Some(piece) = says_itself {
             return Ok(piece);

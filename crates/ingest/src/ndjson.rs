@@ -1,32 +1,30 @@
 //! A JSON object a line, as a mapping describes them.
 
 use serde_json::{Map, Value};
-use tables::{LINE_LIMIT, Place};
+use tables::Place;
 
 use crate::Error;
 use crate::mapping::{Mapping, SourceColumn};
-use crate::parts::{Room, RowFault, in_parts};
+use crate::parts::{Room, in_parts};
 use crate::piece::Piece;
-use crate::text::{Source, quoted, split_line};
+use crate::text::{Source, lines_from, quoted};
 use crate::times::Times;
 
-/// Reads a file.
-///
-/// # Errors
-///
-/// A line that is no JSON object, a value that is no number, a time that is none, each with line and key; a
-/// key of the mapping that no line has.
+/// Reads a file. Errors: a line that is no JSON object, a value that is no number, a time that is none, each
+/// with line and key; a key of the mapping that no line has.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), '.')?;
     let missing = mapping.missing.iter().filter_map(|text| text.parse().ok()).collect();
-    let parser = Parser { mapping, times: &times, missing };
-    let rows = in_parts(&source.bytes, 1, mapping.columns.len(), 2, |part, line, room| {
-        parser.parse(part, line, room)
-    });
-    let rows = rows.map_err(|fault| fault.of(source))?;
+    let parser = Parser { source, mapping, times: &times, missing };
+    let rows = in_parts(&source.bytes, 1, mapping.columns.len(), 2, |part, first_line, room| {
+        let mut rows = lines_from(part, first_line).filter(|(_, line)| !line.trim_ascii().is_empty());
+        rows.try_for_each(|(number, line)| parser.row(line, number, room))
+    })?;
     for (column, values) in mapping.columns.iter().zip(&rows.columns) {
         let key = column.from.name();
-        if !values.is_empty() && values.iter().all(|value| value.is_nan()) && !mentions(&source.bytes, key) {
+        let is_there =
+            || memchr::memmem::find(&source.bytes, Value::from(key).to_string().as_bytes()).is_some();
+        if !values.is_empty() && values.iter().all(|value| value.is_nan()) && !is_there() {
             let expected = "it in one at least; look at `from` in the mapping";
             return Err(source.fault(Place::Whole, format!("no line with the key {key:?}"), expected));
         }
@@ -34,51 +32,30 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     Piece::mapped(source, "NDJSON", mapping, &times, rows)
 }
 
-fn mentions(bytes: &[u8], key: &str) -> bool {
-    memchr::memmem::find(bytes, Value::from(key).to_string().as_bytes()).is_some()
-}
-
 struct Parser<'a> {
+    source: &'a Source,
     mapping: &'a Mapping,
     times: &'a Times,
     missing: Vec<f64>,
 }
 
 impl Parser<'_> {
-    fn parse(&self, part: &[u8], first_line: u32, room: &mut Room) -> Result<(), RowFault> {
-        let (mut rest, mut number) = (part, first_line);
-        while !rest.is_empty() {
-            let (line, after) = split_line(rest);
-            rest = after;
-            if !line.trim_ascii().is_empty() {
-                self.row(line, number, room)?;
-            }
-            number += 1;
-        }
-        Ok(())
-    }
-
-    fn row(&self, line: &[u8], number: u32, room: &mut Room) -> Result<(), RowFault> {
-        let fault = |column: Option<(usize, String)>, found: String, expected: String| {
-            Err(RowFault { line: number, column, found, expected })
+    fn row(&self, line: &[u8], number: u32, room: &mut Room) -> Result<(), Error> {
+        self.source.check_length(number, line)?;
+        let refused = |key: (usize, &str), found: String, expected: &str| {
+            Err(self.source.in_field(number, key, found, expected))
         };
-        if line.len() > LINE_LIMIT {
-            return fault(None, format!("a line of {} bytes", line.len()), "a row of values".into());
-        }
-        let object: Map<String, Value> = match serde_json::from_slice(line) {
-            Ok(object) => object,
-            Err(error) if error.is_eof() => {
-                let found = format!("an object that breaks off at byte {}", error.column());
-                return fault(None, found, "one JSON object on each line; was the file cut?".into());
-            }
-            Err(error) => {
-                let found = format!("{} ({error})", quoted(line));
-                return fault(None, found, "one JSON object on each line".into());
-            }
-        };
+        let object: Map<String, Value> = serde_json::from_slice(line).map_err(|error| {
+            let (found, more) = match error.is_eof() {
+                true => {
+                    (format!("an object that breaks off at byte {}", error.column()), "; was the file cut?")
+                }
+                false => (format!("{} ({error})", quoted(line)), ""),
+            };
+            self.source.in_line(number, found, format!("one JSON object on each line{more}"))
+        })?;
         for (index, column) in self.mapping.columns.iter().enumerate() {
             let key = column.from.name();
-            let place = || Some((index + 1, key.to_string()));
             let value = match object.get(key) {
                 None | Some(Value::Null) => f64::NAN,
                 Some(Value::Number(value)) => {
@@ -87,7 +64,11 @@ impl Parser<'_> {
                 }
                 Some(Value::String(text)) if self.mapping.missing.contains(text) || text == "nan" => f64::NAN,
                 Some(other) => {
-                    return fault(place(), quoted(other.to_string().as_bytes()), "a number, or null".into());
+                    return refused(
+                        (index + 1, key),
+                        quoted(other.to_string().as_bytes()),
+                        "a number, or null",
+                    );
                 }
             };
             room.set(index, value);
@@ -96,7 +77,9 @@ impl Parser<'_> {
             room.end_row(0, number);
             return Ok(());
         }
-        let keys = self.mapping.time.iter().flat_map(|time| &time.columns).map(SourceColumn::name);
+        let mut keys =
+            self.mapping.time.iter().flat_map(|time| &time.columns).map(SourceColumn::name).peekable();
+        let first = keys.peek().copied().unwrap_or_default();
         let mut text = String::new();
         for key in keys {
             match object.get(key) {
@@ -105,7 +88,7 @@ impl Parser<'_> {
                 other => {
                     let found =
                         other.map_or("no such key".to_string(), |value| quoted(value.to_string().as_bytes()));
-                    return fault(Some((1, key.to_string())), found, self.times.expected());
+                    return refused((1, key), found, &self.times.expected());
                 }
             }
             text.push(' ');
@@ -113,11 +96,7 @@ impl Parser<'_> {
         let text = text.trim();
         match self.times.read(text.as_bytes()) {
             Ok(time) => room.end_row(time, number),
-            Err(expected) => {
-                let key =
-                    self.mapping.time.iter().flat_map(|time| &time.columns).map(SourceColumn::name).next();
-                return fault(key.map(|key| (1, key.to_string())), quoted(text.as_bytes()), expected);
-            }
+            Err(expected) => return refused((1, first), quoted(text.as_bytes()), &expected),
         }
         Ok(())
     }

@@ -10,12 +10,8 @@ use crate::piece::Piece;
 use crate::text::Source;
 use crate::times::Times;
 
-/// Reads a file.
-///
-/// # Errors
-///
-/// A column of the mapping that is not there or holds no numbers; a time that is missing or beyond the years
-/// 1677 to 2262.
+/// Reads a file. Errors: a column of the mapping that is not there or holds no numbers; a time that is
+/// missing or beyond the years 1677 to 2262.
 pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
     let times = Times::new(source, mapping.time.as_ref(), '.')?;
     let time = mapping.time.as_ref().map_or(&[][..], |time| time.columns.as_slice());

@@ -2,40 +2,15 @@
 
 use memchr::{memchr, memchr_iter};
 use rayon::prelude::*;
-use tables::Place;
 
 use crate::Error;
-use crate::text::Source;
 
-/// Rows of a part of a file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rows {
-    /// Moments, ns.
     pub times_ns: Vec<i64>,
     /// Values, column by column; NaN where one is missing.
     pub columns: Vec<Vec<f64>>,
     pub lines: Vec<u32>,
-}
-
-/// What is wrong with a row.
-pub struct RowFault {
-    pub line: u32,
-    /// Which column, from 1, and its name; None for the whole line.
-    pub column: Option<(usize, String)>,
-    pub found: String,
-    pub expected: String,
-}
-
-impl RowFault {
-    /// As an error of that file.
-    pub fn of(self, source: &Source) -> Error {
-        let line = u64::from(self.line);
-        let place = match self.column {
-            Some((column, name)) => Place::Field { line, column, name },
-            None => Place::Line(line),
-        };
-        source.fault(place, self.found, self.expected)
-    }
 }
 
 /// Room for the rows of a part: as many as it can have at most, in their places of the whole.
@@ -47,13 +22,11 @@ pub struct Room<'a> {
 }
 
 impl Room<'_> {
-    /// A value of the row that is being read.
     #[inline]
     pub fn set(&mut self, column: usize, value: f64) {
         self.columns[column][self.rows] = value;
     }
 
-    /// The row is whole.
     #[inline]
     pub fn end_row(&mut self, time_ns: i64, line: u32) {
         self.times_ns[self.rows] = time_ns;
@@ -62,7 +35,6 @@ impl Room<'_> {
     }
 }
 
-/// Bytes that a thread takes at once.
 const PART: usize = 1 << 20;
 
 /// Parses lines on all cores, rows of so many columns and so many bytes at least; `parse` gets a part of the
@@ -73,8 +45,8 @@ pub fn in_parts(
     first_line: u32,
     columns: usize,
     least_bytes: usize,
-    parse: impl Fn(&[u8], u32, &mut Room) -> Result<(), RowFault> + Sync,
-) -> Result<Rows, RowFault> {
+    parse: impl Fn(&[u8], u32, &mut Room) -> Result<(), Error> + Sync,
+) -> Result<Rows, Error> {
     let (mut parts, mut sizes) = (Vec::new(), Vec::new());
     let (mut start, mut line) = (0, first_line);
     while start < bytes.len() {
@@ -93,7 +65,7 @@ pub fn in_parts(
         columns: (0..columns).map(|_| vec![0.0; all]).collect(),
         lines: vec![0; all],
     };
-    let parsed: Vec<Result<usize, RowFault>> = parts
+    let parsed: Vec<Result<usize, Error>> = parts
         .into_par_iter()
         .zip(rooms(&mut rows, &sizes))
         .map(|((part, line), mut room)| parse(part, line, &mut room).map(|()| room.rows))
@@ -120,7 +92,6 @@ fn rooms<'a>(rows: &'a mut Rows, sizes: &[usize]) -> Vec<Room<'a>> {
         .collect()
 }
 
-/// Takes out what rooms have left empty.
 fn close_up<T: Copy>(values: &mut Vec<T>, sizes: &[usize], counts: &[usize]) {
     let (mut from, mut to) = (0, 0);
     for (size, count) in sizes.iter().zip(counts) {
@@ -136,15 +107,14 @@ fn close_up<T: Copy>(values: &mut Vec<T>, sizes: &[usize], counts: &[usize]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::text::{decoded, lines};
+    use crate::text::{decoded, lines_from};
 
     #[test]
     fn the_first_fault_by_line() {
         let text = "1\n".repeat(3 * PART);
-        let parse = |_: &[u8], line: u32, _: &mut Room| {
-            Err(RowFault { line, column: None, found: String::new(), expected: String::new() })
-        };
-        assert!(in_parts(text.as_bytes(), 5, 1, 2, parse).is_err_and(|fault| fault.line == 5));
+        let parse = |_: &[u8], line: u32, _: &mut Room| Err(Error::Request(line.to_string()));
+        let first = in_parts(text.as_bytes(), 5, 1, 2, parse).expect_err("a fault");
+        assert_eq!(first.to_string(), "5");
     }
 
     #[test]
@@ -152,13 +122,13 @@ mod tests {
         let text: String =
             (0..PART).map(|row| if row % 3 == 0 { format!("{row}\n") } else { "\n".into() }).collect();
         let parse = |part: &[u8], first: u32, room: &mut Room| {
-            for (number, line) in lines(part).filter(|(_, line)| !line.is_empty()) {
+            for (number, line) in lines_from(part, first).filter(|(_, line)| !line.is_empty()) {
                 room.set(0, decoded(line).parse().expect("a number"));
-                room.end_row(0, first + number - 1);
+                room.end_row(0, number);
             }
             Ok(())
         };
-        let Ok(rows) = in_parts(text.as_bytes(), 1, 1, 2, parse) else { panic!("no fault") };
+        let rows = in_parts(text.as_bytes(), 1, 1, 2, parse).expect("no fault");
         let expected: Vec<f64> = (0..PART).step_by(3).map(|row| row as f64).collect();
         assert_eq!(rows.columns[0], expected);
         assert_eq!(rows.lines, expected.iter().map(|row| *row as u32 + 1).collect::<Vec<_>>());

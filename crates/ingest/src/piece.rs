@@ -3,7 +3,6 @@
 use common::number::{bare, counted, quoted};
 use common::{Extra, range};
 use indexmap::IndexMap;
-use tables::Place;
 
 use crate::Error;
 use crate::clock::Clock;
@@ -14,7 +13,6 @@ use crate::raw;
 use crate::text::Source;
 use crate::times::Times;
 
-/// A file's rows with what the file says of itself.
 #[derive(Clone, Debug)]
 pub struct Piece {
     /// Its name alone.
@@ -26,7 +24,6 @@ pub struct Piece {
     pub format: &'static str,
     /// What `times_ns` counts from.
     pub clock: Clock,
-    /// When each row was taken, ns.
     pub times_ns: Vec<i64>,
     /// Values by the document's column names, in the document's units.
     pub columns: IndexMap<String, Vec<f64>>,
@@ -40,7 +37,6 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// A piece without rows.
     pub fn of(source: &Source, format: &'static str) -> Self {
         Piece {
             name: source.name.clone(),
@@ -82,7 +78,7 @@ impl Piece {
             piece.notes.extend(notes);
             if let Some((row, expected)) = no_integer {
                 let found = format!("{} for {}", quoted(values[row]), column.to);
-                return Err(source.fault(Place::Line(rows.lines[row].into()), found, expected));
+                return Err(source.in_line(rows.lines[row], found, expected));
             }
             let values = match (conversion.factor, conversion.offset) {
                 (1.0, 0.0) => values,
@@ -97,7 +93,7 @@ impl Piece {
                     bare(low),
                     bare(high)
                 );
-                return Err(source.fault(Place::Line(rows.lines[row].into()), found, expected));
+                return Err(source.in_line(rows.lines[row], found, expected));
             }
             piece.columns.insert(column.to.clone(), values);
         }

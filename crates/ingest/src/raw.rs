@@ -26,7 +26,6 @@ pub fn clean(column: &ColumnMapping, values: &mut [f64]) -> (Vec<String>, Option
     (notes, no_integer)
 }
 
-/// Makes values missing; how many.
 fn without(values: &mut [f64], is_missing: impl Fn(f64) -> bool) -> usize {
     let found = values.iter_mut().filter(|value| !value.is_nan() && is_missing(**value));
     found.map(|value| *value = f64::NAN).count()
@@ -59,17 +58,13 @@ mod tests {
     use crate::mapping::SourceColumn;
     use proptest::prelude::*;
 
-    fn column() -> ColumnMapping {
-        ColumnMapping::plain(SourceColumn::Name("x".into()), "x", None)
-    }
-
     #[test]
     fn in_their_order() {
         let column = ColumnMapping {
             missing: vec![65_535.0],
             bits: Some(16),
             valid: Some([-100.0, 100.0]),
-            ..column()
+            ..ColumnMapping::plain(SourceColumn::Name("x".into()), "x", None)
         };
         let mut values = [5.0, 65_535.0, 65_534.0, 32_768.0, f64::NAN, -7.0];
         let (notes, no_integer) = clean(&column, &mut values);

@@ -22,16 +22,13 @@ use row::Row;
 /// The condition that names the theodolite.
 const THEODOLITE: &str = "theodolite_name";
 
-/// One measurement.
 pub struct Sheet {
-    /// Name of its file.
     pub file: String,
     pub sha256: String,
     pub format: &'static str,
     pub conditions: Extra,
     /// What else the file says, kept under `source`.
     pub kept: Extra,
-    /// In the order of the file.
     pub rows: Vec<Row>,
     pub notes: Vec<String>,
 }
@@ -43,11 +40,8 @@ impl Sheet {
     }
 }
 
-/// The measurements of a file; None for a file of another format.
-///
-/// # Errors
-///
-/// What a measurement lacks, and what is not read, with its line; AutoDIF's own files.
+/// The measurements of a file; None for a file of another format. Errors: what a measurement lacks, and what
+/// is not read, with its line; AutoDIF's own files.
 pub fn read(source: &Source) -> Result<Option<Vec<Sheet>>, Error> {
     let head = source.bytes.get(..source.bytes.len().min(300)).unwrap_or_default();
     let is_autodif = memchr::memmem::find(head, b"TARGET AZ").is_some();

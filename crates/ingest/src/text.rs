@@ -11,9 +11,8 @@ use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::Error;
-use tables::{Content, Place, fault};
+use tables::{Content, LINE_LIMIT, Place, fault};
 
-/// Bytes that a thread reads at once.
 const PART: usize = 1 << 22;
 
 pub struct Source {
@@ -36,12 +35,8 @@ impl Source {
         Source { shown, name, bytes: Bytes::new(), original_sha256: None, kind: Content::Delimited }
     }
 
-    /// Reads a file, `-` for standard input.
-    ///
-    /// # Errors
-    ///
-    /// A file that cannot be read, is empty, or is neither text in UTF-8 (Latin-1 in headers) nor Parquet nor
-    /// CDF.
+    /// Reads a file, `-` for standard input. Errors: a file that cannot be read, is empty, or is neither text
+    /// in UTF-8 (Latin-1 in headers) nor Parquet nor CDF.
     pub fn read(path: &Path) -> Result<Self, Error> {
         let failed = |source| Error::file(path, "read", source);
         let (bytes, shown) = if path == Path::new("-") {
@@ -69,9 +64,38 @@ impl Source {
         self.original_sha256.clone().unwrap_or_else(|| sha256(&self.bytes))
     }
 
+    /// A note where so many bytes at the beginning are not in UTF-8.
+    pub fn latin_1(&self, header: usize) -> Option<String> {
+        let read = std::str::from_utf8(&self.bytes[..header]);
+        read.is_err().then(|| "the header is not in UTF-8 and was read as Latin-1".into())
+    }
+
     /// The fault of a file without readings.
     pub fn no_row(&self) -> Error {
         self.fault(Place::Whole, "a header and no row", "rows of readings; was it copied in full?")
+    }
+
+    /// Refuses a line that by its length is no row.
+    pub fn check_length(&self, number: u32, line: &[u8]) -> Result<(), Error> {
+        if line.len() <= LINE_LIMIT {
+            return Ok(());
+        }
+        Err(self.in_line(number, format!("a line of {} bytes", line.len()), "a row of values"))
+    }
+
+    /// The fault of a value in a column, from 1, of that name.
+    pub fn in_field(
+        &self,
+        line: u32,
+        (column, name): (usize, &str),
+        found: impl Display,
+        expected: impl Display,
+    ) -> Error {
+        self.fault(Place::Field { line: line.into(), column, name: name.into() }, found, expected)
+    }
+
+    pub fn in_line(&self, line: u32, found: impl Display, expected: impl Display) -> Error {
+        self.fault(Place::Line(line.into()), found, expected)
     }
 
     pub fn fault(&self, place: Place, found: impl Display, expected: impl Display) -> Error {
@@ -136,15 +160,29 @@ pub fn decoded(bytes: &[u8]) -> Cow<'_, str> {
 
 /// Lines with their numbers from 1, without their ends.
 pub fn lines(bytes: &[u8]) -> impl Iterator<Item = (u32, &[u8])> {
+    lines_from(bytes, 1)
+}
+
+/// The same with their numbers from `first` on.
+#[inline]
+pub fn lines_from(bytes: &[u8], first: u32) -> impl Iterator<Item = (u32, &[u8])> {
     let mut rest = bytes;
-    (1..).map_while(move |number| {
-        if rest.is_empty() {
-            return None;
-        }
-        let (line, after) = split_line(rest);
+    (first..).map_while(move |number| {
+        let (line, after) = (!rest.is_empty()).then(|| split_line(rest))?;
         rest = after;
         Some((number, line))
     })
+}
+
+/// The beginning of a text of JSON, without the blanks in it.
+pub fn without_blanks(bytes: &[u8]) -> String {
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
+    head.chars().filter(|letter| !letter.is_whitespace()).collect()
+}
+
+/// The values of a list of JSON; none of anything else.
+pub fn list(value: &serde_json::Value) -> &[serde_json::Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
 }
 
 /// The first line without its end, and what follows.

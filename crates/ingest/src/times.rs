@@ -8,10 +8,9 @@ use tables::Place;
 use crate::Error;
 use crate::clock::{self, Clock, DAY_NS, SECOND_NS, Stamp, Zone};
 use crate::mapping::TimeMapping;
-use crate::parts::{RowFault, Rows};
+use crate::parts::Rows;
 use crate::text::Source;
 
-/// How the times of a file are read.
 pub struct Times {
     form: Form,
     zone: Zone,
@@ -19,7 +18,6 @@ pub struct Times {
     /// Nanoseconds that are added to each: the recording's start.
     begin_ns: i64,
     clock: Clock,
-    /// The decimal mark of numbers.
     point: u8,
 }
 
@@ -36,8 +34,12 @@ enum Form {
     /// A pattern of the day, and a number of units of so many ns since its midnight.
     Dated(String, i64),
     /// The time of day alone, with the day from elsewhere.
-    OfDay(OfDay, i64, Day),
-    /// Row by row.
+    /// Named: the file is named after that of most rows; else it is that of the first row.
+    OfDay {
+        time: OfDay,
+        day: i64,
+        named: bool,
+    },
     Step(f64),
     None,
 }
@@ -46,15 +48,6 @@ enum Form {
 enum OfDay {
     Pattern(String),
     Number(i64),
-}
-
-/// Whose day is known.
-#[derive(Clone, Copy, PartialEq)]
-enum Day {
-    /// That of most rows: the file is named after it.
-    MostRows,
-    /// That of the first row.
-    FirstRow,
 }
 
 /// A number since midnight, ns. Midnight may be the end of a day as well.
@@ -76,11 +69,7 @@ impl OfDay {
 }
 
 impl Times {
-    /// What the mapping says of a file's times.
-    ///
-    /// # Errors
-    ///
-    /// A date that should be in the file's name and is not.
+    /// What the mapping says of a file's times. Errors: a date that should be in the file's name and is not.
     pub fn new(source: &Source, mapping: Option<&TimeMapping>, decimal: char) -> Result<Self, Error> {
         let point = decimal as u8;
         let Some(mapping) = mapping else {
@@ -103,8 +92,10 @@ impl Times {
                     || number.map_or(OfDay::Pattern(said.into()), |(_, unit_ns, _)| OfDay::Number(unit_ns));
                 let first = mapping.start.as_deref().and_then(|start| clock::date(start.as_bytes()));
                 match (&mapping.date_in_name, first, number) {
-                    (Some(date), ..) => Form::OfDay(time(), day_in_name(source, date)?, Day::MostRows),
-                    (None, Some((day, _)), _) => Form::OfDay(time(), day, Day::FirstRow),
+                    (Some(date), ..) => {
+                        Form::OfDay { time: time(), day: day_in_name(source, date)?, named: true }
+                    }
+                    (None, Some((day, _)), _) => Form::OfDay { time: time(), day, named: false },
                     (None, None, Some((before, unit_ns, _))) => Form::Dated(before.into(), unit_ns),
                     (None, None, None) => Form::Pattern(said.into()),
                 }
@@ -121,7 +112,6 @@ impl Times {
         Ok(Times { form, zone: mapping.zone(), said: mapping.format.clone(), begin_ns, clock, point })
     }
 
-    /// What they count from.
     pub fn clock(&self) -> Clock {
         self.clock
     }
@@ -151,7 +141,7 @@ impl Times {
                 self.zone.moment(stamp(&parts).ok_or_else(as_expected)?)
             }
             // Brought to UTC by `settle`, when it is known on which day each row was taken.
-            Form::OfDay(time, day, _) => {
+            Form::OfDay { time, day, .. } => {
                 time.read(text, self.point).map(|ns| day * DAY_NS + ns).ok_or_else(as_expected)
             }
             Form::Dated(pattern, unit_ns) => {
@@ -173,7 +163,7 @@ impl Times {
                 Some((value * (*unit_ns as f64 / 1e3)).round() * 1e3)
             }
             Form::Decimal(unit_ns) => Some((value * *unit_ns as f64).round()),
-            Form::OfDay(OfDay::Number(unit_ns), day, _) => {
+            Form::OfDay { time: OfDay::Number(unit_ns), day, .. } => {
                 let ns = (value * *unit_ns as f64).round();
                 (0.0..=DAY_NS as f64).contains(&ns).then_some(*day as f64 * DAY_NS as f64 + ns)
             }
@@ -209,30 +199,25 @@ impl Times {
                 rows.times_ns = (0..count).map(at).collect();
             }
             Form::None => rows.times_ns = (0..count as i64).collect(),
-            Form::OfDay(_, _, whose) => {
-                match whose {
-                    Day::MostRows => name_day(source, rows, notes)?,
+            Form::OfDay { named, .. } => {
+                if *named {
+                    name_day(source, rows, notes)?;
+                } else {
                     // Each midnight begins the next day.
-                    Day::FirstRow => midnights(&rows.times_ns).into_iter().for_each(|midnight| {
+                    for midnight in midnights(&rows.times_ns) {
                         rows.times_ns[midnight..].iter_mut().for_each(|time| *time += DAY_NS);
-                    }),
+                    }
                 }
-                self.settle_zone(source, rows)?;
+                // Clock times of known days to UTC.
+                for (time, line) in rows.times_ns.iter_mut().zip(&rows.lines) {
+                    let stamp = Stamp { clock_ns: *time, ahead_s: None };
+                    *time = self.zone.moment(stamp).map_err(|expected| {
+                        let shown = clock::text(*time);
+                        source.in_line(*line, shown.trim_end_matches('Z'), expected)
+                    })?;
+                }
             }
             _ => {}
-        }
-        Ok(())
-    }
-
-    /// Clock times of known days to UTC.
-    fn settle_zone(&self, source: &Source, rows: &mut Rows) -> Result<(), Error> {
-        for (time, line) in rows.times_ns.iter_mut().zip(&rows.lines) {
-            let stamp = Stamp { clock_ns: *time, ahead_s: None };
-            *time = self.zone.moment(stamp).map_err(|expected| {
-                let shown = clock::text(*time);
-                let found = shown.trim_end_matches('Z').to_string();
-                RowFault { line: *line, column: None, found, expected }.of(source)
-            })?;
         }
         Ok(())
     }
@@ -340,21 +325,26 @@ mod tests {
     #[test]
     fn from_a_day_that_is_stated_over_two_midnights() {
         for (format, texts) in [
-            ("seconds_of_day", ["43200", "86399.5", "0.5", "60000", "1"]),
-            ("%H:%M:%S%.f", ["12:00:00", "23:59:59.5", "00:00:00.5", "16:40:00", "00:00:01"]),
+            ("seconds_of_day", "43200 86399.5 0.5 60000 1"),
+            ("%H:%M:%S%.f", "12:00:00 23:59:59.5 00:00:00.5 16:40:00 00:00:01"),
         ] {
-            let mapping = TimeMapping {
-                format: format.into(),
-                start: Some("2025-03-14T00:00:00Z".into()),
-                ..TimeMapping::default()
-            };
-            let times = Times::new(&Source::empty("x.csv"), Some(&mapping), '.').expect("times");
-            let mut rows = Rows { lines: (1..=5).collect(), ..Rows::default() };
-            rows.times_ns = texts.map(|text| times.read(text.as_bytes()).expect(text)).into();
-            times.settle(&Source::empty("x.csv"), &mut rows, &mut Vec::new()).expect("settled");
-            let days: Vec<i64> = rows.times_ns.iter().map(|time| time / DAY_NS - 20_161).collect();
-            assert_eq!((days, times.clock()), (vec![0, 0, 1, 1, 2], Clock::Utc), "{format}");
+            let start = Some("2025-03-14T00:00:00Z".into());
+            let mapping = TimeMapping { format: format.into(), start, ..TimeMapping::default() };
+            let (times_ns, _) = settled("x.csv", &mapping, texts);
+            let days: Vec<i64> = times_ns.iter().map(|time| time / DAY_NS - 20_161).collect();
+            assert_eq!(days, [0, 0, 1, 1, 2], "{format}");
         }
+    }
+
+    /// Times of rows of a file of that name, in UTC, and notes.
+    fn settled(name: &str, mapping: &TimeMapping, texts: &str) -> (Vec<i64>, Vec<String>) {
+        let (source, mut notes) = (Source::empty(name), Vec::new());
+        let times = Times::new(&source, Some(mapping), '.').expect("times");
+        let read = texts.split(' ').map(|text| times.read(text.as_bytes()).expect(text));
+        let mut rows = Rows { lines: (1..=5).collect(), times_ns: read.collect(), ..Rows::default() };
+        times.settle(&source, &mut rows, &mut notes).expect("settled");
+        assert_eq!(times.clock(), Clock::Utc);
+        (rows.times_ns, notes)
     }
 
     #[test]
@@ -364,16 +354,9 @@ mod tests {
             date_in_name: Some("%b%d%y".into()),
             ..TimeMapping::default()
         };
-        let source = Source::empty("x-SEP0111.txt");
-        let times = Times::new(&source, Some(&mapping), '.').expect("a date");
-        let mut rows = Rows { lines: vec![1, 2, 3, 4], ..Rows::default() };
-        rows.times_ns = ["23:59:50", "00:00:00", "00:00:10", "00:00:20"]
-            .map(|text| times.read(text.as_bytes()).expect(text))
-            .into();
-        let mut notes = Vec::new();
-        times.settle(&source, &mut rows, &mut notes).expect("settled");
-        assert_eq!(clock::text(rows.times_ns[0]), "2011-08-31T23:59:50Z");
-        assert_eq!(clock::text(rows.times_ns[3]), "2011-09-01T00:00:20Z");
+        let (times_ns, notes) = settled("x-SEP0111.txt", &mapping, "23:59:50 00:00:00 00:00:10 00:00:20");
+        assert_eq!(clock::text(times_ns[0]), "2011-08-31T23:59:50Z");
+        assert_eq!(clock::text(times_ns[3]), "2011-09-01T00:00:20Z");
         assert_eq!(notes.len(), 1);
     }
 }

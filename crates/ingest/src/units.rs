@@ -3,13 +3,10 @@
 /// Ratio and offset: `value × factor + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conversion {
-    /// Multiplies the file's value.
     pub factor: f64,
-    /// Is added after that, in the document's unit.
     pub offset: f64,
 }
 
-/// Arcseconds of a radian.
 const RADIAN_ARCSEC: f64 = 206_264.806_247_096_36;
 
 /// Units of files: the ending of the document's columns for what they measure, size and zero in that kind's
@@ -121,24 +118,19 @@ mod tests {
 
     #[test]
     fn fields_are_exact_and_temperatures_have_a_zero() {
-        for (unit, factor) in [
-            ("T", 1e9),
-            ("mT", 1e6),
-            ("µT", 1e3),
-            ("μT", 1e3),
-            ("uT", 1e3),
-            ("nT", 1.0),
-            ("G", 1e5),
-            ("mG", 1e2),
-        ] {
-            assert_eq!(conversion(unit, "nT"), Some(Conversion { factor, offset: 0.0 }), "{unit}");
+        for (units, factor) in
+            [("T", 1e9), ("mT", 1e6), ("µT μT uT", 1e3), ("nT", 1.0), ("G", 1e5), ("mG", 1e2)]
+        {
+            for unit in units.split(' ') {
+                assert_eq!(conversion(unit, "nT"), Some(Conversion { factor, offset: 0.0 }), "{unit}");
+            }
         }
-        let kelvin = conversion("K", "C").expect("temperatures");
-        assert!((300.0 * kelvin.factor + kelvin.offset - 26.85).abs() < 1e-12);
-        let celsius = conversion("C", "K").expect("temperatures");
-        assert!((26.85 * celsius.factor + celsius.offset - 300.0).abs() < 1e-12);
-        let fahrenheit = conversion("F", "C").expect("temperatures");
-        assert!((212.0 * fahrenheit.factor + fahrenheit.offset - 100.0).abs() < 1e-12);
+        for (from, to, value, due) in
+            [("K", "C", 300.0, 26.85), ("C", "K", 26.85, 300.0), ("F", "C", 212.0, 100.0)]
+        {
+            let Conversion { factor, offset } = conversion(from, to).expect("temperatures");
+            assert!((value * factor + offset - due).abs() < 1e-12, "{from}");
+        }
         assert_eq!(conversion("arcmin", "deg").expect("angles").factor, 1.0 / 60.0);
         for unit in ["am2", "Am2", "A m²"] {
             assert_eq!(conversion(unit, "A m²").map(|found| found.factor), Some(1.0), "{unit}");

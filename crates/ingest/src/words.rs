@@ -8,7 +8,6 @@ use crate::jumps::Jump;
 use crate::piece::Piece;
 use crate::series::{Gaps, Series};
 
-/// Words about files that are said one by one.
 const SAID: usize = 5;
 
 /// What was read, how it was converted, what is doubtful.
@@ -74,7 +73,6 @@ pub fn words(
     lines.join("\n")
 }
 
-/// What a column holds, in a line.
 fn range(name: &str, values: &[f64]) -> String {
     let (mut count, mut least, mut most) = (0, f64::INFINITY, f64::NEG_INFINITY);
     for value in values {

@@ -1,6 +1,6 @@
 //! Any document as one page: what each stage found, in words, tables and plots.
 //!
-//! A [`Page`] is made of the document by [`run`]; [`page`] writes it. `sections.jinja` has the words and
+//! A [`Page`] is made of the document by [`run`]; [`html`] and [`text`] write it. `sections.jinja` has the words and
 //! tables of each section, the modules below `sections` its plots and findings. What the document does not hold
 //! is not computed here.
 //!
@@ -8,15 +8,15 @@
 
 pub mod certificate;
 pub mod conformity;
-pub mod page;
+mod page;
 mod sections;
 
-pub use page::{Cell, Effect, Finding, Header, Item, Page, Section, Table};
+pub use page::{Effect, Item, Page, html, text};
 pub use sections::findings;
 
 use common::Document;
 use common::number::counted;
-use page::{number, plot};
+use page::{Finding, Section, Table, number, plot};
 
 /// What is asked of the report.
 #[derive(Clone, Debug, Default)]

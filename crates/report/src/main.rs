@@ -5,10 +5,9 @@ use common::{Error, procedure};
 
 use program::pipe::{self, Input, Io, Program, Sink};
 use program::{apart, beside, manual};
-use report::Options;
 use report::certificate::{self, Asked};
 use report::conformity::Spec;
-use report::page::{html, text};
+use report::{Options, html, text};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 

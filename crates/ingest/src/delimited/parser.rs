@@ -1,13 +1,13 @@
 //! Rows of values, as the mapping writes them.
 
 use common::number::counted;
-use tables::LINE_LIMIT;
 
 use super::fields::{fields, next_field};
+use crate::Error;
 use crate::mapping::Mapping;
 use crate::number;
-use crate::parts::{Room, RowFault};
-use crate::text::{decoded, quoted, split_line};
+use crate::parts::Room;
+use crate::text::{Source, decoded, lines_from, quoted};
 use crate::times::Times;
 
 /// Where the value of a column of the file goes.
@@ -18,11 +18,10 @@ pub enum Slot {
     Time(usize),
 }
 
-/// How the rows of a file are read.
 pub struct Parser<'a> {
+    pub source: &'a Source,
     pub mapping: &'a Mapping,
     pub times: &'a Times,
-    /// Where the values of each column go.
     pub slots: Vec<Slot>,
     /// Numbers that stand for a missing value.
     pub missing: Vec<f64>,
@@ -37,38 +36,29 @@ impl Parser<'_> {
         first_line: u32,
         room: &mut Room,
         is_row: &impl Fn(&[u8]) -> bool,
-    ) -> Result<(), RowFault> {
+    ) -> Result<(), Error> {
         let parts = self.mapping.time.as_ref().map_or(0, |time| time.columns.len());
         let mut time: Vec<&[u8]> = vec![b""; parts];
         let mut joined = Vec::new();
-        let (mut rest, mut number) = (part, first_line);
-        while !rest.is_empty() {
-            let (line, after) = split_line(rest);
-            rest = after;
-            if is_row(line) {
-                if line.len() > LINE_LIMIT {
-                    let found = format!("a line of {} bytes", line.len());
-                    let expected = "a row of values".into();
-                    return Err(RowFault { line: number, column: None, found, expected });
-                }
-                if self.row(line, number, room, &mut time)? {
-                    let text = match &time[..] {
-                        [] => &[][..],
-                        [only] => only.trim_ascii(),
-                        several => {
-                            joined.clear();
-                            several.iter().for_each(|part| {
-                                joined.extend_from_slice(part.trim_ascii());
-                                joined.push(b' ');
-                            });
-                            joined.trim_ascii()
-                        }
-                    };
-                    let read = self.times.read(text);
-                    room.end_row(read.map_err(|expected| self.no_time(number, text, expected))?, number);
-                }
+        for (number, line) in lines_from(part, first_line).filter(|(_, line)| is_row(line)) {
+            self.source.check_length(number, line)?;
+            if !self.row(line, number, room, &mut time)? {
+                continue;
             }
-            number += 1;
+            let text = match &time[..] {
+                [] => &[][..],
+                [only] => only.trim_ascii(),
+                several => {
+                    joined.clear();
+                    several.iter().for_each(|part| {
+                        joined.extend_from_slice(part.trim_ascii());
+                        joined.push(b' ');
+                    });
+                    joined.trim_ascii()
+                }
+            };
+            let read = self.times.read(text);
+            room.end_row(read.map_err(|expected| self.no_time(number, text, expected))?, number);
         }
         Ok(())
     }
@@ -81,7 +71,7 @@ impl Parser<'_> {
         number: u32,
         room: &mut Room,
         time: &mut [&'a [u8]],
-    ) -> Result<bool, RowFault> {
+    ) -> Result<bool, Error> {
         let separator = self.mapping.separator as u8;
         let (mut rest, mut column) = (Some(line), 0);
         while let Some(text) = rest {
@@ -123,7 +113,11 @@ impl Parser<'_> {
             Some(mark) if *mark == self.mapping.separator as u8 => Some(&text[end + 1..]),
             Some(_) => return None,
         };
-        Some((if self.missing.contains(&value) { f64::NAN } else { value }, after))
+        Some((self.unless_missing(value), after))
+    }
+
+    fn unless_missing(&self, value: f64) -> f64 {
+        if self.missing.contains(&value) { f64::NAN } else { value }
     }
 
     /// A number, or NaN for a missing one; None for what is neither.
@@ -140,8 +134,7 @@ impl Parser<'_> {
             _ => number::parse(field, self.mapping.decimal as u8),
         };
         match parsed {
-            Some(value) if value.is_finite() && !self.missing.contains(&value) => Some(value),
-            Some(value) if value.is_finite() => Some(f64::NAN),
+            Some(value) if value.is_finite() => Some(self.unless_missing(value)),
             _ => self.missing_word(field).then_some(f64::NAN),
         }
     }
@@ -154,7 +147,7 @@ impl Parser<'_> {
             || self.mapping.missing.iter().any(|text| text.as_bytes() == field)
     }
 
-    fn no_number(&self, line: u32, column: usize, field: &[u8]) -> RowFault {
+    fn no_number(&self, line: u32, column: usize, field: &[u8]) -> Error {
         let found = quoted(field.trim_ascii());
         let own = self.mapping.decimal;
         let other = if own == ',' { '.' } else { ',' };
@@ -183,25 +176,25 @@ impl Parser<'_> {
         };
         // A column without a name goes by what becomes of it.
         let name = match (&self.names, self.slots[column]) {
-            (Some(names), _) => names[column].clone(),
-            (None, Slot::Value(value)) => self.mapping.columns[value].to.clone(),
-            _ => "time".into(),
+            (Some(names), _) => &names[column],
+            (None, Slot::Value(value)) => &self.mapping.columns[value].to,
+            _ => "time",
         };
-        RowFault { line, column: Some((column + 1, name)), found, expected }
+        self.source.in_field(line, (column + 1, name), found, expected)
     }
 
-    fn no_time(&self, line: u32, text: &[u8], expected: String) -> RowFault {
+    fn no_time(&self, line: u32, text: &[u8], expected: String) -> Error {
         let column = self.slots.iter().position(|slot| *slot == Slot::Time(0)).unwrap_or_default();
-        let name = self.names.as_ref().map_or_else(|| "time".to_string(), |names| names[column].clone());
-        RowFault { line, column: Some((column + 1, name)), found: quoted(text), expected }
+        let name = self.names.as_ref().map_or("time", |names| &names[column]);
+        self.source.in_field(line, (column + 1, name), quoted(text), expected)
     }
 
-    fn unequal(&self, line: &[u8], number: u32) -> RowFault {
+    fn unequal(&self, line: &[u8], number: u32) -> Error {
         let found = counted(fields(line, self.mapping.separator).len(), "value");
         let like =
             if self.names.is_some() { "one for each name in the header" } else { "as on the first row" };
         let count = self.slots.len();
         let expected = format!("{count}, {like}; was the file cut, or is the separator another?");
-        RowFault { line: number, column: None, found, expected }
+        self.source.in_line(number, found, expected)
     }
 }

@@ -18,10 +18,8 @@ const OTHERS: &str = "ref reference base basestation std standard remote obs obs
 const SCALARS: &str = "f scalar fscalar totalfield fieldmagnitude proton pmag overhauser";
 /// Beginnings of names that the document knows, up to their underscore.
 const KNOWN: &str = "coil sensor reference test third outside ambient electronics attitude tilt";
-/// Names that say nothing, without their numbers.
 const GENERIC: &str = "ch chan channel c col column var field value val data in input ain analog adc unnamed";
 
-/// A column as its header tells it.
 struct Told {
     column: usize,
     /// Its name without the unit.
@@ -44,11 +42,8 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
             Cells::Empty if sample.names[column].trim_matches(['-', '[', ']']).is_empty() => {}
             kind => {
                 let what = if kind == Cells::Empty { "holds nothing" } else { "holds no numbers" };
-                guess.notes.push(format!(
-                    "column {} ({:?}) {what} and is ignored",
-                    column + 1,
-                    sample.names[column]
-                ));
+                let (number, name) = (column + 1, &sample.names[column]);
+                guess.notes.push(format!("column {number} ({name:?}) {what} and is ignored"));
             }
         }
     }
@@ -64,11 +59,9 @@ pub fn guess(sample: &Sample, time: &[usize], quantity: &str, guess: &mut Guess)
     let unnamed = |index: &usize| vector.is_none_or(|vector| !vector.contains(index));
     let like_temperature = |index: &usize| temperature_by_content(&told[*index], sample).is_some();
     let thermal = (0..told.len()).filter(unnamed).filter(like_temperature).count() <= THERMOMETERS;
-    let endings = told.iter().map(|one| match one.unit.as_deref() {
-        // A unit that is not known, "?", is none of a circle.
-        Some(unit) => (one.base.as_str(), Some(units::ending_for(unit).unwrap_or("?"))),
-        None => (one.base.as_str(), None),
-    });
+    // A unit that is not known, "?", is none of a circle.
+    let ending = |unit: &String| units::ending_for(unit).unwrap_or("?");
+    let endings = told.iter().map(|one| (one.base.as_str(), one.unit.as_ref().map(ending)));
     let circles = circles::find(&endings.collect::<Vec<_>>());
     let beyond = circles
         .iter()
@@ -327,10 +320,6 @@ mod tests {
 
     #[test]
     fn units_in_names() {
-        let of = |name: &str| {
-            let (base, unit) = split_unit(name);
-            (base, unit.unwrap_or_default())
-        };
         for (name, base, unit) in [
             ("Bx (μT)", "Bx", "μT"),
             ("x_nT", "x", "nT"),
@@ -345,17 +334,15 @@ mod tests {
             ("rm3100_x_raw", "rm3100_x", "counts"),
             ("Bx (furlong)", "Bx", "?"),
         ] {
-            assert_eq!(of(name), (base.to_string(), unit.to_string()), "{name}");
+            let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());
+            assert_eq!(split_unit(name), (base.to_string(), unit));
         }
     }
 
     #[test]
     fn names_of_another_instrument() {
-        for (name, is) in
-            [("ref", true), ("basemag", true), ("bobs", true), ("mag", false), ("refuse", false)]
-        {
-            assert_eq!(is_other(name), is, "{name}");
-        }
+        assert!(["ref", "basemag", "bobs"].into_iter().all(is_other));
+        assert!(!["mag", "refuse"].into_iter().any(is_other));
     }
 
     #[test]

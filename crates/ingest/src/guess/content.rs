@@ -30,11 +30,8 @@ pub fn field(columns: &[Vec<f64>; 3]) -> Option<(&'static str, String)> {
     let norm = median(&mut norms.clone()).filter(|norm| *norm > 0.0)?;
     let scatter = spread(&norms)? / norm;
     let turn = columns.iter().filter_map(|values| spread(values)).fold(0.0, f64::max) / norm;
-    let size = format!(
-        "the norm of the three is {} and stays so to {} %",
-        significant(norm, 3),
-        significant(100.0 * scatter, 2)
-    );
+    let [size, percent] = [significant(norm, 3), significant(100.0 * scatter, 2)];
+    let size = format!("the norm of the three is {size} and stays so to {percent} %");
     match unit_of_earth(norms) {
         Some(unit) if scatter < STEADY => Some((unit, format!("{size}; in {unit} it is the Earth's field"))),
         None if scatter < STEADY && turn > 3.0 * scatter.max(0.1) => {
@@ -48,23 +45,17 @@ pub fn field(columns: &[Vec<f64>; 3]) -> Option<(&'static str, String)> {
 /// steps, slowly changing.
 pub fn temperature(values: &[f64]) -> Option<(&'static str, String)> {
     const ROWS: usize = 8;
-    let (least, most) = extremes(values).filter(|_| values.len() >= ROWS)?;
+    let least = values.iter().copied().min_by(f64::total_cmp).filter(|_| values.len() >= ROWS)?;
+    let most = values.iter().copied().max_by(f64::total_cmp)?;
     let range = spread(values)?;
     let steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let slow = spread(&steps)? <= 0.5 * range && range > 0.0;
     let unit = [("C", -40.0, 85.0), ("K", 233.0, 358.0)]
         .into_iter()
         .find(|(_, low, high)| least >= *low && most <= *high);
-    unit.filter(|_| slow && values.iter().any(|value| value.fract() != 0.0)).map(|(unit, ..)| {
-        (
-            unit,
-            format!(
-                "values from {} to {} that change slowly are a temperature in {unit}",
-                significant(least, 4),
-                significant(most, 4)
-            ),
-        )
-    })
+    let (unit, ..) = unit.filter(|_| slow && values.iter().any(|value| value.fract() != 0.0))?;
+    let [least, most] = [least, most].map(|end| significant(end, 4));
+    Some((unit, format!("values from {least} to {most} that change slowly are a temperature in {unit}")))
 }
 
 /// Whether values rise by steps that are alike: each within half of the usual one.
@@ -75,11 +66,6 @@ pub fn rises_evenly(values: &[f64]) -> bool {
         let near = steps.iter().filter(|step| (**step - usual).abs() <= 0.5 * usual).count();
         usual > 0.0 && steps.iter().all(|step| *step > 0.0) && 10 * near >= 9 * steps.len()
     })
-}
-
-fn extremes(values: &[f64]) -> Option<(f64, f64)> {
-    let least = values.iter().copied().min_by(f64::total_cmp)?;
-    Some((least, values.iter().copied().max_by(f64::total_cmp)?))
 }
 
 fn median(values: &mut [f64]) -> Option<f64> {
@@ -99,27 +85,20 @@ fn spread(values: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A field that turns, with an offset of the sensor.
-    fn turning(size: f64, offset: f64) -> [Vec<f64>; 3] {
-        let angles = || (0..40).map(|row| 0.3 * f64::from(row));
-        [
-            angles().map(|a| size * a.cos() * 0.8 + offset).collect(),
-            angles().map(|a| size * a.sin() * 0.8).collect(),
-            angles().map(|_| size * 0.6).collect(),
-        ]
-    }
-
     #[test]
     fn a_field_by_its_norm() {
         let unit = |columns: &[Vec<f64>; 3]| field(columns).map(|(unit, _)| unit);
-        assert_eq!(unit(&turning(48_000.0, 500.0)), Some("nT"));
-        assert_eq!(unit(&turning(48.0, 0.5)), Some("uT"));
-        assert_eq!(unit(&turning(3600.0, 40.0)), Some("counts"));
+        // A field that turns, with an offset of the sensor.
+        for (size, offset, due) in [(48_000.0, 500.0, "nT"), (48.0, 0.5, "uT"), (3600.0, 40.0, "counts")] {
+            let rows = (0..40).map(|row| (0.3 * f64::from(row)).sin_cos());
+            let (y, x) = rows.map(|(sin, cos)| (size * 0.8 * sin, size * 0.8 * cos + offset)).unzip();
+            assert_eq!(unit(&[x, y, vec![size * 0.6; 40]]), Some(due));
+        }
         // What grows from nothing, what does not change, and what is no field of the Earth.
         let ramp: Vec<f64> = (0..40).map(f64::from).collect();
         assert_eq!(unit(&[ramp.clone(), ramp.clone(), ramp]), None);
-        assert_eq!(unit(&[vec![5.0; 40], vec![0.1; 40], vec![-9.8; 40]]), None);
-        assert_eq!(unit(&[vec![20_000.0; 40], vec![1000.0; 40], vec![44_000.0; 40]]), Some("nT"));
+        assert_eq!(unit(&[5.0, 0.1, -9.8].map(|value| vec![value; 40])), None);
+        assert_eq!(unit(&[20_000.0, 1000.0, 44_000.0].map(|value| vec![value; 40])), Some("nT"));
     }
 
     #[test]

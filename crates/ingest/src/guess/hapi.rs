@@ -4,13 +4,11 @@
 use serde_json::Value;
 use tables::COLUMN_LIMIT;
 
-use crate::text::lines;
+use crate::text::{lines, list};
 
-/// A column as the header tells it.
 pub struct Column {
     pub name: String,
     pub unit: Option<String>,
-    /// Stands for a missing value.
     pub fill: Option<f64>,
 }
 
@@ -24,8 +22,8 @@ pub fn header(bytes: &[u8]) -> Option<Vec<Column>> {
     object.get("HAPI")?;
     let mut columns = Vec::new();
     for parameter in object.get("parameters")?.as_array()? {
-        let sizes = parameter["size"].as_array().map_or(&[][..], Vec::as_slice);
-        let count = sizes.iter().try_fold(1_u64, |all, size| all.checked_mul(size.as_u64()?))?;
+        let count =
+            list(&parameter["size"]).iter().try_fold(1_u64, |all, size| all.checked_mul(size.as_u64()?))?;
         let count = usize::try_from(count).ok().filter(|count| columns.len() + count <= COLUMN_LIMIT)?;
         columns.extend((0..count).map(|index| column(parameter, index, count)));
     }

@@ -11,7 +11,6 @@ use crate::units;
 
 /// What may stand between thousands. A blank is not told from a separator.
 const THOUSANDS: [char; 4] = [',', '.', '\'', '_'];
-/// Lines that are looked at for the first row.
 const HEAD: usize = 1000;
 
 /// A notation; by default that of formats that have but one.
@@ -23,7 +22,6 @@ pub struct Notation {
     pub thousands_are_doubtful: bool,
     pub width: usize,
     pub names: Option<Vec<String>>,
-    /// Units below the names.
     pub units: Option<Vec<Option<String>>>,
     pub rows: Vec<Vec<String>>,
 }
@@ -34,7 +32,6 @@ impl Notation {
         number(cell, decimal).or_else(|| grouped(cell, decimal, thousands?))
     }
 
-    /// Looks at the beginning of a file.
     pub fn of(source: &Source, rows: usize) -> Result<Self, Error> {
         let all = lines(&source.bytes).filter(|(_, line)| !line.trim_ascii().is_empty());
         let all: Vec<(u32, &[u8])> = all.take(HEAD + rows).collect();

@@ -14,7 +14,6 @@ use crate::clock;
 use crate::mapping::SourceColumn;
 use crate::text::{Source, lines};
 
-/// Rows that are looked at.
 const ROWS: usize = 400;
 
 /// Columns and some of their cells.
@@ -27,13 +26,10 @@ pub struct Sample {
     pub names: Vec<String>,
     /// Units that stand below the names, where a line holds them.
     pub units: Vec<Option<String>>,
-    /// Cells, column by column.
     pub cells: Vec<Vec<String>>,
-    /// For each column, what it holds.
     pub kinds: Vec<Cells>,
 }
 
-/// What the cells of a column are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cells {
     /// Numbers, with the decimal mark of the file.
@@ -47,7 +43,6 @@ pub enum Cells {
 }
 
 impl Sample {
-    /// Looks at a file.
     pub fn of(source: &Source) -> Result<Self, Error> {
         match source.kind {
             Content::NdJson => Self::of_ndjson(source),
@@ -133,19 +128,18 @@ impl Sample {
 
     fn of_cdf(source: &Source) -> Result<Self, Error> {
         let table = cdf::Table::of(source)?;
-        let all = table.moments.iter().map(|(name, _)| (name, None, Cells::Moments));
-        let all =
-            all.chain(table.columns.iter().map(|column| (&column.name, column.unit.clone(), Cells::Numbers)));
-        let (mut names, mut units, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
-        for (name, unit, kind) in all {
-            names.push(name.clone());
+        let (notation, mut names, mut cells) = (Notation::default(), Vec::new(), Vec::new());
+        let (mut units, mut kinds) = (Vec::new(), Vec::new());
+        let moments = table.moments.into_iter().map(|(name, _)| (name, Vec::new(), None, Cells::Moments));
+        let numbers = table.columns.into_iter();
+        let numbers = numbers.map(|one| (one.name, first_cells(&one.values), one.unit, Cells::Numbers));
+        for (name, some, unit, kind) in moments.chain(numbers) {
+            names.push(name);
+            cells.push(some);
             units.push(unit);
             kinds.push(kind);
         }
-        let numbers = table.columns.iter().map(|column| first_cells(&column.values));
-        let cells = table.moments.iter().map(|_| Vec::new()).chain(numbers).collect();
-        let from = by_name(&names);
-        Ok(Sample { notation: Notation::default(), from, names, units, cells, kinds })
+        Ok(Sample { notation, from: by_name(&names), names, units, cells, kinds })
     }
 
     fn of_parquet(source: &Source) -> Result<Self, Error> {
@@ -178,7 +172,6 @@ fn by_name(names: &[String]) -> Vec<SourceColumn> {
     names.iter().cloned().map(SourceColumn::Name).collect()
 }
 
-/// The first of these numbers as text.
 fn first_cells(values: &[f64]) -> Vec<String> {
     let cell = |value: &f64| if value.is_nan() { String::new() } else { value.to_string() };
     values.iter().take(ROWS).map(cell).collect()

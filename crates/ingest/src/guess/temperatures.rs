@@ -74,32 +74,20 @@ mod tests {
 
     #[test]
     fn names_of_loggers() {
-        for (name, in_degrees, whose) in [
-            ("Temp", false, "sensor"),
-            ("temperature", false, "sensor"),
-            ("SensorTemp", false, "sensor"),
-            ("sensor_temp", false, "sensor"),
-            ("elec_temp", false, "electronics"),
-            ("ElectronicsTemperature", false, "electronics"),
-            ("bmp_temp", false, "bmp"),
-            ("boxtemp", false, "electronics"),
-            ("temp2", false, "sensor"),
-            ("board_temp", false, "electronics"),
-            ("air temperature", false, "outside"),
-            ("coil_temp", false, "coil"),
-            ("rt", false, "sensor"),
-            ("lt", false, "electronics"),
-            ("Te", true, "electronics"),
-            ("Tf", true, "sensor"),
-            ("T", true, "sensor"),
-            ("t1", true, "sensor"),
-            ("imu_T", true, "imu"),
-            ("env_T", true, "outside"),
-            ("tmp102", true, "sensor"),
-            ("ts", true, "sensor"),
-            ("DS18B20", false, "sensor"),
+        for (in_degrees, whose, names) in [
+            (false, "sensor", "Temp temperature SensorTemp sensor_temp temp2 rt DS18B20"),
+            (false, "electronics", "elec_temp ElectronicsTemperature boxtemp board_temp lt"),
+            (false, "bmp", "bmp_temp"),
+            (false, "outside", "air-temperature"),
+            (false, "coil", "coil_temp"),
+            (true, "electronics", "Te"),
+            (true, "sensor", "Tf T t1 tmp102 ts"),
+            (true, "imu", "imu_T"),
+            (true, "outside", "env_T"),
         ] {
-            assert_eq!(column(name, in_degrees), Some(format!("{whose}_temperature_c")), "{name}");
+            for name in names.split(' ') {
+                assert_eq!(column(name, in_degrees), Some(format!("{whose}_temperature_c")), "{name}");
+            }
         }
         for name in ["t", "ts", "t1", "attempt_x", "x", "tilt", "dew_point", "template_x", "contempt"] {
             assert_eq!(column(name, false), None, "{name}");

@@ -11,9 +11,7 @@ use crate::mapping::TimeMapping;
 /// Ways to write a date that ISO 8601 does not know.
 const DATES: [&str; 8] =
     ["%d.%m.%Y", "%d.%m.%y", "%d/%m/%Y", "%m/%d/%Y", "%d-%m-%Y", "%d-%b-%Y", "%Y%m%d", "%Y-%m-%d"];
-/// Ways to write the time of day.
 const TIMES: [&str; 5] = ["%H:%M:%S%.f", "%H:%M", "%H%M%S", "%I:%M:%S %p", "%I:%M %p"];
-/// Dates as they stand in names of files.
 const IN_NAMES: [&str; 5] = ["%Y-%m-%d", "%Y_%m_%d", "%Y%m%d", "%b%d%y", "%d%m%Y"];
 /// Names of columns that hold a time, as letters and digits in lower case.
 const NAMES: &str = "time t ts timestamp datetime date utc epoch unix unixs unixtime times seconds secondselapsed elapsed \
@@ -94,10 +92,9 @@ fn iso(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     let column =
         columns_of(sample, Cells::Iso).find(|column| there(sample, *column).any(|cell| cell.len() > 10))?;
     let zoned = |cell: &str| crate::clock::iso(cell.as_bytes()).is_some_and(|stamp| stamp.ahead_s.is_some());
-    let mapping = of("iso");
-    let all_zoned =
-        there(sample, column).filter(|cell| zoned(cell)).count() * 2 > there(sample, column).count();
-    Some((vec![column], if all_zoned { mapping } else { without_zone(sample, column, mapping, guess) }))
+    let most = there(sample, column).filter(|cell| zoned(cell)).count() * 2 > there(sample, column).count();
+    let mapping = if most { of("iso") } else { without_zone(sample, column, of("iso"), guess) };
+    Some((vec![column], mapping))
 }
 
 fn moment(sample: &Sample, _: &str, _: &mut Guess) -> GuessedTime {
@@ -114,14 +111,18 @@ fn fitting<P: AsRef<str> + ToString>(cells: &[String], patterns: &[P]) -> Vec<St
     patterns.iter().filter(fits).map(P::to_string).collect()
 }
 
+/// The pattern of the times of day in a column.
+fn clock(sample: &Sample, column: usize) -> Option<String> {
+    fitting(&sample.cells[column], &TIMES).into_iter().next()
+}
+
 /// One of the patterns, `?` with a doubt where a day cannot be told from a month.
 fn chosen(fitting: Vec<String>, name: &str, guess: &mut Guess) -> Option<String> {
     if fitting.iter().any(|pattern| pattern.contains("%d/%m"))
         && fitting.iter().any(|pattern| pattern.contains("%m/%d"))
     {
-        guess
-            .doubts
-            .push(format!("in {name}, which is the day and which the month: {}", fitting.join(" or ")));
+        let doubt = format!("in {name}, which is the day and which the month: {}", fitting.join(" or "));
+        guess.doubts.push(doubt);
         return Some("?".into());
     }
     fitting.into_iter().next()
@@ -164,9 +165,8 @@ fn number(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
     if let Some((column, format)) = unix {
         let dated = plain(&sample.names[column]).contains("date") || format.starts_with("unix");
         if !dated {
-            guess
-                .doubts
-                .push(format!("whether {:?} counts days ({format}) or seconds", sample.names[column]));
+            let doubt = format!("whether {:?} counts days ({format}) or seconds", sample.names[column]);
+            guess.doubts.push(doubt);
         }
         return Some((vec![column], of(format)));
     }
@@ -190,8 +190,7 @@ fn since_midnight(sample: &Sample, file_name: &str, guess: &mut Guess) -> Guesse
         }
         None => (vec![column], TimeMapping { date_in_name: in_name(file_name, guess), ..of(format) }),
     };
-    let mapping = without_zone(sample, column, mapping, guess);
-    Some((columns, mapping))
+    Some((columns, without_zone(sample, column, mapping, guess)))
 }
 
 /// The columns of the date and its pattern: a date, or year and day of the year.
@@ -212,18 +211,16 @@ fn by_content(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
         "" => format!("column {}", column + 1),
         name => format!("{name:?}"),
     };
-    guess
-        .doubts
-        .push(format!("whether {name}, which rises evenly, is the time ({format}), and in which unit"));
+    let doubt = format!("whether {name}, which rises evenly, is the time ({format}), and in which unit");
+    guess.doubts.push(doubt);
     Some((vec![column], of(format)))
 }
 
 /// A date and a time of day in columns of their own, or year and day of the year.
 fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
-    let clock = |column: usize| fitting(&sample.cells[column], &TIMES).into_iter().next();
     if let Some([year, day]) = year_and_day(sample) {
         let decimals = there(sample, day).any(|cell| cell.contains(sample.notation.mapping.decimal));
-        let time = columns_of(sample, Cells::Text).find_map(|column| Some((column, clock(column)?)));
+        let time = columns_of(sample, Cells::Text).find_map(|column| Some((column, clock(sample, column)?)));
         let (columns, mapping) = match time.filter(|_| !decimals) {
             None => (vec![year, day], of("day_of_year")),
             Some((time, pattern)) => (vec![year, day, time], of(&format!("%Y %j {pattern}"))),
@@ -236,7 +233,7 @@ fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
         *column != date && (sample.kinds[*column] == Cells::Text || named())
     };
     let mut times = (0..sample.kinds.len()).filter(may);
-    let (time, clock) = times.find_map(|column| Some((column, clock(column)?)))?;
+    let (time, clock) = times.find_map(|column| Some((column, clock(sample, column)?)))?;
     let date_pattern = chosen(fitting(&sample.cells[date], &DATES), &sample.names[date], guess)?;
     let pattern = if date_pattern == "?" { date_pattern } else { format!("{date_pattern} {clock}") };
     Some((vec![date, time], without_zone(sample, date, of(&pattern), guess)))
@@ -244,13 +241,12 @@ fn two_columns(sample: &Sample, _: &str, guess: &mut Guess) -> GuessedTime {
 
 /// The time of day alone; the date must be in the file's name.
 fn of_day(sample: &Sample, file_name: &str, guess: &mut Guess) -> GuessedTime {
-    let clock = |column: usize| fitting(&sample.cells[column], &TIMES).into_iter().next();
-    let one = columns_of(sample, Cells::Text).find_map(|column| Some((vec![column], clock(column)?)));
+    let one = columns_of(sample, Cells::Text).find_map(|column| Some((vec![column], clock(sample, column)?)));
     let two = || Some((vec![named(sample, "hh hour h")?, named(sample, "mm minute min")?], "%H %M".into()));
     let (columns, pattern) = one.or_else(two)?;
     let mapping = TimeMapping { date_in_name: in_name(file_name, guess), ..of(&pattern) };
-    let mapping = without_zone(sample, columns[0], mapping, guess);
-    Some((columns, mapping))
+    let first = columns[0];
+    Some((columns, without_zone(sample, first, mapping, guess)))
 }
 
 /// The pattern of a date in the file's name; a doubt where there is none.

@@ -14,7 +14,6 @@ use crate::{Error, Options};
 /// What may be a component: X, Y, Z, H, D, I, E and F as usual; S scalar, G = |vector| − scalar, U, V and W
 /// sensor axes.
 pub const LETTERS: &str = "XYZHDIEFSGUVW";
-/// Radians of a minute of arc.
 const ARCMIN: f64 = std::f64::consts::PI / 10_800.0;
 
 /// The component of which a name is the letter.
@@ -24,10 +23,7 @@ pub fn letter(name: &str) -> Option<char> {
 }
 
 /// Puts components into a piece that has its rows: columns of the document, and in the header what was done.
-///
-/// # Errors
-///
-/// No row, or nothing but missing values.
+/// Errors: no row, or nothing but missing values.
 pub fn put(
     piece: &mut Piece,
     source: &Source,
@@ -53,7 +49,6 @@ pub fn put(
 pub struct Converted {
     /// By name, in the order x, y, z, scalar, the rest. Components without any value are left out.
     pub columns: IndexMap<String, Vec<f64>>,
-    /// What was converted; None where nothing was.
     pub words: Option<String>,
 }
 
@@ -170,44 +165,35 @@ mod tests {
     use super::*;
 
     /// X 20000, Y 1000, Z 45000 in whatever components.
-    fn check(letters: &str, base: Option<f64>) {
-        let (x, y, z) = (20_000.0_f64, 1000.0_f64, 45_000.0_f64);
-        let (h, f) = (x.hypot(y), (x * x + y * y + z * z).sqrt());
-        let value = |letter: char| match letter {
-            'X' | 'U' => x,
-            'Y' | 'V' => y,
-            'Z' | 'W' => z,
-            'H' => h,
-            'D' => y.atan2(x) / ARCMIN - base.unwrap_or(0.0),
-            'I' => z.atan2(h) / ARCMIN,
-            'G' => 2.5,
-            _ => f,
-        };
-        let letters: Vec<char> = letters.chars().collect();
-        let columns = letters.iter().map(|letter| vec![value(*letter), f64::NAN]).collect();
-        let converted = convert(&letters, columns, base, "sensor");
-        for (name, expected) in [("sensor_x_nt", x), ("sensor_y_nt", y), ("sensor_z_nt", z)] {
-            let values = &converted.columns[name];
-            assert!((values[0] - expected).abs() < 1e-8, "{letters:?} {name}: {}", values[0]);
-            assert!(values[1].is_nan());
-        }
-        let scalar = if letters.contains(&'G') { f - 2.5 } else { f };
-        if let Some(reference) = converted.columns.get("reference_nt") {
-            assert!((reference[0] - scalar).abs() < 1e-8, "{letters:?}");
-        }
-        assert_eq!(
-            converted.columns.len(),
-            3 + usize::from(letters.iter().any(|letter| "FSG".contains(*letter)))
-        );
-    }
-
     #[test]
     fn one_field_in_all_components() {
-        for letters in ["XYZF", "XYZG", "HDZF", "HDZG", "DHZF", "DHIF", "DIF", "HDI", "UVWF", "XYZS", "UVZF"]
-        {
-            check(letters, None);
+        let (x, y, z) = (20_000.0_f64, 1000.0_f64, 45_000.0_f64);
+        let (h, f) = (x.hypot(y), (x * x + y * y + z * z).sqrt());
+        let all = "XYZF XYZG HDZF HDZG DHZF DHIF DIF HDI UVWF XYZS UVZF HDZF";
+        for (number, text) in all.split(' ').enumerate() {
+            let base = (number == 11).then_some(552.7);
+            let value = |letter: &char| match letter {
+                'X' | 'U' => x,
+                'Y' | 'V' => y,
+                'Z' | 'W' => z,
+                'H' => h,
+                'D' => y.atan2(x) / ARCMIN - base.unwrap_or(0.0),
+                'I' => z.atan2(h) / ARCMIN,
+                'G' => 2.5,
+                _ => f,
+            };
+            let letters: Vec<char> = text.chars().collect();
+            let columns = letters.iter().map(|letter| vec![value(letter), f64::NAN]).collect();
+            let mut columns = convert(&letters, columns, base, "sensor").columns;
+            let scalar = columns.shift_remove("reference_nt");
+            assert_eq!(scalar.is_some(), text.contains(['F', 'S', 'G']), "{text}");
+            let due = if text.contains('G') { f - 2.5 } else { f };
+            assert!(scalar.is_none_or(|found| (found[0] - due).abs() < 1e-8), "{text}");
+            assert!(columns.keys().eq(["sensor_x_nt", "sensor_y_nt", "sensor_z_nt"]), "{text}");
+            for (values, due) in columns.values().zip([x, y, z]) {
+                assert!((values[0] - due).abs() < 1e-8 && values[1].is_nan(), "{text}: {values:?}");
+            }
         }
-        check("HDZF", Some(552.7));
     }
 
     #[test]

@@ -30,7 +30,6 @@ const MOST: u32 = 100_000;
 pub struct Header {
     /// The station's code; None where it is blank.
     pub station: Option<String>,
-    /// The line of the titles, from 1.
     pub titles_line: u32,
     /// Titles of the components, `BOUX`.
     pub titles: Vec<String>,
@@ -40,7 +39,6 @@ pub struct Header {
 }
 
 impl Header {
-    /// Reads up to the titles.
     pub fn read(source: &Source) -> Result<Self, Error> {
         let mut header = Header {
             station: None,
@@ -60,7 +58,7 @@ impl Header {
             }
             if inner.as_bytes().first().is_some_and(u8::is_ascii_digit) {
                 let expected = "the titles (DATE TIME DOY …) before the first row";
-                return Err(source.fault(Place::Line(number.into()), "a row", expected));
+                return Err(source.in_line(number, "a row", expected));
             }
             if let Some(comment) = inner.strip_prefix('#') {
                 header.comments.push(comment.trim().to_string());
@@ -73,13 +71,11 @@ impl Header {
         Err(source.fault(Place::Whole, "a header that does not end", expected))
     }
 
-    /// What stands beside a label, where something does.
     fn record(&self, label: &str) -> Option<&str> {
         let found = self.records.iter().find(|(_, known, _)| known == label);
         found.map(|(_, _, content)| content.as_str()).filter(|content| !content.is_empty())
     }
 
-    /// The rows' part of the file.
     pub fn data<'a>(&self, source: &'a Source) -> &'a [u8] {
         let mut ends = memchr::memchr_iter(b'\n', &source.bytes);
         let end = ends.nth(self.titles_line as usize - 1);
@@ -118,8 +114,8 @@ impl Header {
             if !trust_rows {
                 let record = self.records.iter().find(|(_, label, _)| label == "Reported");
                 let line = record.map_or(0, |record| record.0);
-                return Err(source.fault(
-                    Place::Line(line.into()),
+                return Err(source.in_line(
+                    line,
                     format!("the components {reported} where the titles of the columns say {titles}"),
                     "the same in both; correct the header, or use the titles with --trust-rows",
                 ));
@@ -182,7 +178,7 @@ fn titles(source: &Source, line: u32, text: &str) -> Result<Vec<String>, Error> 
         }
         _ => {
             let expected = "titles: DATE TIME DOY and one for each component, as in BOUX";
-            Err(source.fault(Place::Line(line.into()), format!("{text:?}"), expected))
+            Err(source.in_line(line, format!("{text:?}"), expected))
         }
     }
 }
@@ -223,9 +219,8 @@ mod tests {
     #[test]
     fn intervals_in_words() {
         for (words, seconds) in [
-            ("Filtered 1-minute (00:15-01:45)", 60.0),
-            ("Filtered 1-second (00:00.0-00:06.0)", 1.0),
             ("Average 1-Minute (00:00-00:59)", 60.0),
+            ("Filtered 1-second (00:00.0-00:06.0)", 1.0),
             ("1-hour", 3600.0),
             ("hourly average", 3600.0),
             ("0.5 second instantaneous", 0.5),

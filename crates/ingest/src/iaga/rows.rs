@@ -5,8 +5,8 @@ use crate::Error;
 use crate::clock::{self, DAY_NS};
 use crate::fill;
 use crate::number;
-use crate::parts::{Room, RowFault, Rows, in_parts};
-use crate::text::{Source, quoted, split_line};
+use crate::parts::{Room, Rows, in_parts};
+use crate::text::{Source, lines_from, quoted};
 use common::number::counted;
 use rayon::prelude::*;
 
@@ -17,19 +17,22 @@ const LEAST_BYTES: usize = 20;
 pub struct Data {
     /// Values in the units of the file: nT, minutes of arc for D and I.
     pub rows: Rows,
-    /// Rows with 88888, for each component.
     pub not_observed: Vec<usize>,
 }
 
-/// Reads all rows, on all cores.
 pub fn read(source: &Source, header: &Header, components: &[char], trust_rows: bool) -> Result<Data, Error> {
     let data = header.data(source);
-    let parser = Parser { titles: &header.titles, trust_rows };
-    let parse = |part: &[u8], line: u32, room: &mut Room| parser.parse(part, line, room);
-    let rows = in_parts(data, header.titles_line + 1, components.len(), LEAST_BYTES, parse);
-    let mut rows = rows.map_err(|fault| fault.of(source))?;
+    let parser = Parser { source, titles: &header.titles, trust_rows };
+    let parse = |part: &[u8], first_line: u32, room: &mut Room| {
+        // The day of the row before: seldom another.
+        let mut day = Day::default();
+        let rows = lines_from(part, first_line).map(|(number, line)| (number, trimmed(line)));
+        let mut rows = rows.filter(|(_, text)| !text.is_empty() && text[0] != b'#');
+        rows.try_for_each(|(number, text)| parser.row(text, number, room, &mut day))
+    };
+    let mut rows = in_parts(data, header.titles_line + 1, components.len(), LEAST_BYTES, parse)?;
     if !data.ends_with(b"\n") {
-        parser.check_end(data, &rows).map_err(|fault| fault.of(source))?;
+        parser.check_end(data, &rows)?;
     }
     let not_observed =
         rows.columns.par_iter_mut().map(|values| fill::without(values, true).not_observed).collect();
@@ -37,47 +40,31 @@ pub fn read(source: &Source, header: &Header, components: &[char], trust_rows: b
 }
 
 struct Parser<'a> {
+    source: &'a Source,
     titles: &'a [String],
     trust_rows: bool,
 }
 
 impl Parser<'_> {
-    fn parse(&self, part: &[u8], first_line: u32, room: &mut Room) -> Result<(), RowFault> {
-        let (mut rest, mut number) = (part, first_line);
-        // The day of the row before: seldom another.
-        let mut day = Day::default();
-        while !rest.is_empty() {
-            let (line, after) = split_line(rest);
-            rest = after;
-            let text = trimmed(line);
-            if !text.is_empty() && text[0] != b'#' {
-                self.row(text, number, room, &mut day)?;
-            }
-            number += 1;
-        }
-        Ok(())
-    }
-
     #[inline]
-    fn row(&self, text: &[u8], line: u32, room: &mut Room, day: &mut Day) -> Result<(), RowFault> {
-        let fault = |column: Option<(usize, &str)>, found: String, expected: String| {
-            let column = column.map(|(number, name)| (number, name.to_string()));
-            Err(RowFault { line, column, found, expected })
+    fn row(&self, text: &[u8], line: u32, room: &mut Room, day: &mut Day) -> Result<(), Error> {
+        let fault = |column: (usize, &str), found: String, expected: &str| {
+            Err(self.source.in_field(line, column, found, expected))
         };
         let (date, rest) = word(text);
         if day.text != date.get(..10).unwrap_or_default() || date.len() != 10 {
             let Some(next) = Day::of(date) else {
                 if text.get(..6).is_some_and(|word| word.eq_ignore_ascii_case(b"Format")) {
                     let expected = "rows; give concatenated files one by one";
-                    return fault(None, "a header among the rows".into(), expected.into());
+                    return Err(self.source.in_line(line, "a header among the rows", expected));
                 }
-                return fault(Some((1, "DATE")), quoted(date), "a date as in 2014-11-01".into());
+                return fault((1, "DATE"), quoted(date), "a date as in 2014-11-01");
             };
             *day = next;
         }
         let (time, rest) = word(rest);
         let Some((time_ns, _)) = clock::time_of_day(time).filter(|(_, end)| *end == time.len()) else {
-            return fault(Some((2, "TIME")), quoted(time), "a time of day as in 23:59:00.000".into());
+            return fault((2, "TIME"), quoted(time), "a time of day as in 23:59:00.000");
         };
         let (of_year, mut rest) = word(rest);
         if !self.trust_rows
@@ -88,13 +75,13 @@ impl Parser<'_> {
             let found = format!("{} where {date} is day {}", quoted(of_year), day.of_year);
             let expected =
                 "the day of the year that the date is; where DATE is right, --trust-rows passes over DOY";
-            return fault(Some((3, "DOY")), found, expected.into());
+            return fault((3, "DOY"), found, expected);
         }
         for (index, title) in self.titles.iter().enumerate() {
             rest = rest.trim_ascii_start();
             if rest.is_empty() {
                 let found = format!("{index} of {}", counted(self.titles.len(), "value"));
-                return fault(None, found, "one for each title; was the file cut?".into());
+                return Err(self.source.in_line(line, found, "one for each title; was the file cut?"));
             }
             match number::plain(rest, b'.').or_else(|| fast_float2::parse_partial(rest).ok()) {
                 Some((value, end))
@@ -106,14 +93,14 @@ impl Parser<'_> {
                 _ => {
                     let expected =
                         "a number, 99999.00 where one is missing, 88888.00 where none was observed";
-                    return fault(Some((4 + index, title)), quoted(word(rest).0), expected.into());
+                    return fault((4 + index, title), quoted(word(rest).0), expected);
                 }
             }
         }
         if !rest.trim_ascii().is_empty() {
             let found = format!("{} after the last value", quoted(rest.trim_ascii()));
             let expected = format!("{}, one for each title", counted(self.titles.len(), "value"));
-            return fault(None, found, expected);
+            return Err(self.source.in_line(line, found, expected));
         }
         room.end_row(day.start_ns + time_ns, line);
         Ok(())
@@ -121,7 +108,7 @@ impl Parser<'_> {
 
     /// A last line without end that is shorter than the one before, where those two are alike: a value was
     /// cut.
-    fn check_end(&self, data: &[u8], rows: &Rows) -> Result<(), RowFault> {
+    fn check_end(&self, data: &[u8], rows: &Rows) -> Result<(), Error> {
         let mut lines = data.rsplit(|byte| *byte == b'\n').map(trimmed);
         let [Some(last), Some(before), Some(first)] = [lines.next(), lines.next(), lines.next()] else {
             return Ok(());
@@ -132,7 +119,7 @@ impl Parser<'_> {
             let expected =
                 format!("{} as on the lines before; was the file cut?", counted(before.len(), "character"));
             let line = rows.lines.last().copied().unwrap_or(0);
-            return Err(RowFault { line, column: None, found, expected });
+            return Err(self.source.in_line(line, found, expected));
         }
         Ok(())
     }
@@ -171,7 +158,6 @@ fn trimmed(line: &[u8]) -> &[u8] {
     line.strip_suffix(b"|").unwrap_or(line).trim_ascii_end()
 }
 
-/// The first word, and what follows.
 #[inline]
 fn word(text: &[u8]) -> (&[u8], &[u8]) {
     let text = text.trim_ascii_start();

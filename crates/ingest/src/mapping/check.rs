@@ -23,7 +23,6 @@ impl Mapping {
         Ok(mapping)
     }
 
-    /// What the types do not say.
     fn check(&self) -> Result<(), Error> {
         let refused = |path: &str, found: String, expected: &str| Err(Error::document(path, found, expected));
         if self.version != 1 {

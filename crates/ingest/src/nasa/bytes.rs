@@ -5,18 +5,15 @@ use std::io::Read;
 
 use super::Error;
 
-/// A whole file.
 pub struct Bytes<'a>(pub &'a [u8]);
 
 /// A record, read from its beginning.
 pub struct Record<'a> {
-    /// What is left of it.
     pub left: &'a [u8],
     pub kind: u32,
     at: u64,
 }
 
-/// How bytes are compressed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Compression {
     /// Runs of zero bytes.
@@ -42,7 +39,6 @@ impl<'a> Bytes<'a> {
 }
 
 impl<'a> Record<'a> {
-    /// So many bytes.
     pub fn take(&mut self, count: usize) -> Result<&'a [u8], Error> {
         let found = self.left.split_at_checked(count);
         let at = self.at;
@@ -57,17 +53,14 @@ impl<'a> Record<'a> {
         self.take(count).map(drop)
     }
 
-    /// A whole number of four bytes.
     pub fn u32(&mut self) -> Result<u32, Error> {
         Ok(self.take(4)?.iter().fold(0, |sum, byte| sum << 8 | u32::from(*byte)))
     }
 
-    /// One with its sign.
     pub fn i32(&mut self) -> Result<i32, Error> {
         Ok(self.u32()? as i32)
     }
 
-    /// A whole number of eight bytes.
     pub fn u64(&mut self) -> Result<u64, Error> {
         Ok(self.take(8)?.iter().fold(0, |sum, byte| sum << 8 | u64::from(*byte)))
     }

@@ -1,7 +1,6 @@
 //! Times of a CDF as nanoseconds since 1970-01-01T00:00:00 UTC, in which a leap second has no number of its
 //! own: 23:59:60.5 is as 00:00:00.5.
 
-/// Nanoseconds of a second.
 const SECOND: i64 = 1_000_000_000;
 /// J2000, 2000-01-01T12:00:00, as a clock would show it.
 const J2000: i64 = 946_728_000 * SECOND;

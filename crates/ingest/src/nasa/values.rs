@@ -5,19 +5,14 @@ use std::slice::ChunksExact;
 use super::Error;
 use super::times;
 
-/// A type of values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ValueType {
     /// A whole number of so many bytes.
     Int {
-        /// Bytes.
         bytes: usize,
-        /// Whether it has a sign.
         signed: bool,
     },
-    /// Single precision.
     Float,
-    /// Double precision.
     Double,
     /// Milliseconds since the year 0, UTC.
     Epoch,
@@ -25,23 +20,18 @@ pub enum ValueType {
     Epoch16,
     /// Nanoseconds since J2000, terrestrial time.
     Tt2000,
-    /// Text.
     Char,
 }
 
-/// Values of one type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Values {
-    /// Numbers.
     Numbers(Vec<f64>),
     /// Moments, ns since 1970 in UTC; None for a fill value or before 1972.
     Moments(Vec<Option<i64>>),
-    /// Texts.
     Texts(Vec<String>),
 }
 
 impl ValueType {
-    /// By its number in the format.
     pub(super) fn of(number: u32) -> Result<Self, Error> {
         Ok(match number {
             1 | 41 => ValueType::Int { bytes: 1, signed: true },
@@ -61,7 +51,6 @@ impl ValueType {
         })
     }
 
-    /// Bytes of one value.
     pub(super) fn bytes(self) -> usize {
         match self {
             ValueType::Int { bytes, .. } => bytes,
@@ -106,7 +95,6 @@ fn moments(values: ChunksExact<'_, u8>, of: impl Fn(&[u8]) -> Option<i64>) -> Va
 }
 
 impl Values {
-    /// How many.
     pub fn len(&self) -> usize {
         match self {
             Values::Numbers(values) => values.len(),
@@ -115,7 +103,6 @@ impl Values {
         }
     }
 
-    /// The first one as text.
     pub fn text(&self) -> Option<String> {
         match self {
             Values::Numbers(values) => values.first().map(f64::to_string),
@@ -124,7 +111,6 @@ impl Values {
         }
     }
 
-    /// The first one as a number.
     pub fn number(&self) -> Option<f64> {
         match self {
             Values::Numbers(values) => values.first().copied(),
@@ -153,10 +139,9 @@ mod tests {
 
     #[test]
     fn numbers_of_either_order() {
-        let short = ValueType::Int { bytes: 2, signed: true };
-        assert_eq!(short.read(&[0xFF, 0xFE], 1, false), Values::Numbers(vec![-2.0]));
-        assert_eq!(short.read(&[0xFE, 0xFF], 1, true), Values::Numbers(vec![-2.0]));
-        let unsigned = ValueType::Int { bytes: 2, signed: false };
+        let [signed, unsigned] = [true, false].map(|signed| ValueType::Int { bytes: 2, signed });
+        assert_eq!(signed.read(&[0xFF, 0xFE], 1, false), Values::Numbers(vec![-2.0]));
+        assert_eq!(signed.read(&[0xFE, 0xFF], 1, true), Values::Numbers(vec![-2.0]));
         assert_eq!(unsigned.read(&[0xFF, 0xFE, 0, 1], 1, false), Values::Numbers(vec![65_534.0, 1.0]));
         assert_eq!(ValueType::Double.read(&1.5_f64.to_le_bytes(), 1, true), Values::Numbers(vec![1.5]));
         assert_eq!(ValueType::Float.read(&1.5_f32.to_be_bytes(), 1, false), Values::Numbers(vec![1.5]));

@@ -8,33 +8,27 @@ const MOST: usize = 1 << 32;
 /// Records of an index that are followed at most, so that one that leads back to itself ends.
 const MOST_RECORDS: usize = 1 << 20;
 
-/// A variable.
 #[derive(Clone, Debug)]
 pub struct Variable {
-    /// Its name.
     pub name: String,
     /// Sizes of a record's dimensions; empty for one value a record.
     pub dimensions: Vec<usize>,
     /// Whether it has a value for each record, or one for all.
     pub varies: bool,
-    /// Its attributes.
     pub attributes: Vec<(String, Values)>,
     /// Values, record after record; where sparse records are absent, NaN, no moment, or an empty text.
     pub values: Values,
 }
 
 impl Variable {
-    /// An attribute.
     pub fn attribute(&self, name: &str) -> Option<&Values> {
         self.attributes.iter().find(|(known, _)| known == name).map(|(_, values)| values)
     }
 
-    /// An attribute as text.
     pub fn text(&self, name: &str) -> Option<String> {
         self.attribute(name).and_then(Values::text)
     }
 
-    /// Values of a record.
     pub fn width(&self) -> usize {
         self.dimensions.iter().product()
     }
@@ -44,9 +38,7 @@ impl Variable {
 pub struct Layout {
     /// Bytes of a record.
     pub record: usize,
-    /// How many records there should be.
     pub records: usize,
-    /// How its blocks are compressed.
     pub compression: Option<Compression>,
     /// Absent records repeat the one before them.
     pub repeats: bool,

@@ -13,7 +13,6 @@ const LEVEL: f64 = 0.5;
 /// Vertical circles of the inclination lie at most so far from those that the first one predicts.
 const NEAR: f64 = 5.0;
 
-/// A line of a sheet, degrees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Line {
     pub number: u32,
@@ -41,11 +40,8 @@ pub fn first_is_up(mark_deg: f64, azimuth_deg: f64, east: &Line) -> bool {
     declination.abs() <= 90.0
 }
 
-/// The lines as rows.
-///
-/// # Errors
-///
-/// The first line whose vertical circle is that of no position, and what is expected there.
+/// The lines as rows. Errors: the first line whose vertical circle is that of no position, and what is
+/// expected there.
 pub fn rows(lines: &[Line]) -> Result<Vec<Row>, (Line, String)> {
     let Some(east) = lines.first() else { return Ok(Vec::new()) };
     // The view to the north, with the magnetometer above, of the plane in which the field lies.

@@ -21,7 +21,6 @@ pub use header::is_meant;
 const PAIRS: [&str; 4] =
     ["first pair, before", "second pair, before", "third pair, after", "fourth pair, after"];
 
-/// What the sections hold.
 #[derive(Default)]
 struct Body {
     marks: Vec<f64>,
@@ -32,11 +31,8 @@ struct Body {
     repeated: usize,
 }
 
-/// Reads a sheet.
-///
-/// # Errors
-///
-/// Lines that are none, circles in another unit than the header's, positions and readings of the mark that are missing.
+/// Reads a sheet. Errors: lines that are none, circles in another unit than the header's, positions and
+/// readings of the mark that are missing.
 pub fn read(source: &Source) -> Result<Sheet, Error> {
     let mut sheet = Sheet::of(source, "MagPy's sheet of absolute measurements");
     let header = Header::read(source, &mut sheet)?;
@@ -49,7 +45,7 @@ pub fn read(source: &Source) -> Result<Sheet, Error> {
         let expected = format!(
             "90 or 270 for the declination, or near one of {near} for the inclination; was it misread?"
         );
-        source.fault(Place::Line(line.number.into()), found, expected)
+        source.in_line(line.number, found, expected)
     })?;
     let is_double = repeated >= rows.len() && marks.chunks(2).all(|pair| pair[0] == pair[1]);
     if is_double {
@@ -78,7 +74,7 @@ fn body(source: &Source, header: &Header, notes: &mut Vec<String>) -> Result<Bod
     for (number, line) in lines(&source.bytes) {
         let text = decoded(line);
         let cells: Vec<&str> = text.split_whitespace().collect();
-        let fault = |expected: &str| Err(source.fault(Place::Line(number.into()), quoted(line), expected));
+        let fault = |expected: &str| Err(source.in_line(number, quoted(line), expected));
         match (section.as_str(), cells.as_slice()) {
             (_, []) => {}
             (_, [title]) if title.ends_with(':') && !title.starts_with('#') => {

@@ -10,11 +10,8 @@ use crate::clock::{self, SECOND_NS};
 use crate::recording::Ingested;
 use crate::{Error, Options, Readings};
 
-/// Adds measurements to a document, in the order of time.
-///
-/// # Errors
-///
-/// An id that the document has already; a table beside it, which they do not need.
+/// Adds measurements to a document, in the order of time. Errors: an id that the document has already; a
+/// table beside it, which they do not need.
 pub fn add(mut document: Document, mut sheets: Vec<Sheet>, options: &Options) -> Result<Ingested, Error> {
     if matches!(options.readings, Readings::Beside(_)) {
         let message = "--beside: absolute measurements have few rows and stay in the document; leave it out";
@@ -47,7 +44,6 @@ pub fn add(mut document: Document, mut sheets: Vec<Sheet>, options: &Options) ->
     Ok(Ingested { document, table: None, words: words.join("\n") })
 }
 
-/// When the first position was read, ns.
 fn start_ns(sheet: &Sheet) -> i64 {
     let positions = sheet.rows.iter().filter(|row| !["", "Mark"].contains(&row.view));
     positions.filter_map(|row| row.time_ns).min().unwrap_or(0)

@@ -17,13 +17,10 @@ pub const COLUMNS: [&str; 8] = [
     "sensor_y_nt",
     "sensor_z_nt",
 ];
-/// Where the telescope looks.
 pub const VIEWS: [&str; 5] = ["Mark", "East", "West", "North", "South"];
 
-/// One row of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// UTC, ns.
     pub time_ns: Option<i64>,
     /// One of [`VIEWS`]; empty for a reading of the scalar magnetometer alone.
     pub view: &'static str,
@@ -46,7 +43,6 @@ impl Row {
         row
     }
 
-    /// A reading of the scalar magnetometer alone.
     pub fn scalar(time_ns: i64, f_nt: f64) -> Row {
         let mut row = Row { time_ns: Some(time_ns), view: "", values: [f64::NAN; 8] };
         row.values[4] = f_nt;
@@ -69,11 +65,8 @@ pub fn moment(text: &str) -> Option<i64> {
     Zone::Fixed(0).moment(clock::iso(text.replace('_', "T").as_bytes())?).ok()
 }
 
-/// Whether each position was read, and each face of the mark twice.
-///
-/// # Errors
-///
-/// Those that were not; `of` names the measurement.
+/// Whether each position was read, and each face of the mark twice. Errors: those that were not; `of` names
+/// the measurement.
 pub fn complete(source: &Source, place: Place, of: &str, rows: &[Row]) -> Result<(), Error> {
     let mut lacking = Vec::new();
     for (view, face) in VIEWS.iter().flat_map(|view| [(*view, "Up"), (*view, "Down")]) {

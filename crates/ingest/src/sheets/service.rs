@@ -10,20 +10,15 @@ use super::Sheet;
 use super::row::{Row, VIEWS, complete, moment};
 use crate::Error;
 use crate::clock::SECOND_NS;
-use crate::text::Source;
+use crate::text::{Source, list, without_blanks};
 
 /// Whether an object is such an answer, by its beginning.
 pub fn is_meant(bytes: &[u8]) -> bool {
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(4096)]);
-    let head: String = head.chars().filter(|letter| !letter.is_whitespace()).collect();
+    let head = without_blanks(bytes);
     head.contains("\"data\":[{") && head.contains("\"readings\":[{")
 }
 
-/// Reads the measurements.
-///
-/// # Errors
-///
-/// What is not such an answer; a measurement without one of its readings.
+/// Reads the measurements. Errors: what is not such an answer; a measurement without one of its readings.
 pub fn read(source: &Source) -> Result<Vec<Sheet>, Error> {
     let object: Value = serde_json::from_slice(&source.bytes).map_err(|error| {
         source.fault(Place::Whole, format!("no JSON ({error})"), "one JSON object; was the file cut?")
@@ -35,10 +30,6 @@ pub fn read(source: &Source) -> Result<Vec<Sheet>, Error> {
         }
     }
     Ok(sheets)
-}
-
-fn list(value: &Value) -> &[Value] {
-    value.as_array().map_or(&[], Vec::as_slice)
 }
 
 fn sheet(source: &Source, visit: &Value, reading: &Value, path: &str) -> Result<Sheet, Error> {
@@ -81,7 +72,6 @@ fn sheet(source: &Source, visit: &Value, reading: &Value, path: &str) -> Result<
     Ok(sheet)
 }
 
-/// Puts what is stated.
 fn put<const N: usize>(into: &mut Extra, entries: [(&str, Value); N]) {
     let stated = entries.into_iter().filter(|(_, value)| !value.is_null());
     into.extend(stated.map(|(key, value)| (key.to_string(), value)));

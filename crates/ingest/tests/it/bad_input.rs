@@ -6,13 +6,6 @@ use std::path::Path;
 
 const INGEST: &str = env!("CARGO_BIN_EXE_ingest");
 
-/// Runs in a folder, so that files are named in messages as they are here: exit code and what was said, what
-/// was written.
-fn run(folder: &Path, arguments: &[&str]) -> (String, String) {
-    let run = testkit::run_in(INGEST, folder, arguments);
-    (run.message(), run.stdout)
-}
-
 /// A copy of the fixtures, with the files that are too large to be kept.
 fn folder() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
@@ -111,7 +104,8 @@ fn each_fault_has_its_message() {
     let mut wrong = Vec::new();
     for (name, arguments) in files.chain(maps).chain(asked) {
         let arguments: Vec<&str> = arguments.split_whitespace().collect();
-        let (said, written) = run(folder.path(), &arguments);
+        let run = testkit::run_in(INGEST, folder.path(), &arguments);
+        let (said, written) = (run.message(), run.stdout);
         let expected = testkit::fixture(&format!("bad/ingest/messages/{name}.txt"));
         if testkit::bless() {
             fs::write(&expected, &said).expect("written");
@@ -129,9 +123,9 @@ fn each_fault_has_its_message() {
 fn what_is_asked_for_gets_past_a_fault() {
     let folder = folder();
     let ok = |arguments: &[&str]| {
-        let (said, written) = run(folder.path(), arguments);
-        assert!(said.starts_with("exit code 0"), "{arguments:?}: {said}");
-        (said, serde_json::from_str::<serde_json::Value>(&written).expect("a document"))
+        let run = testkit::run_in(INGEST, folder.path(), arguments);
+        assert_eq!(run.code, 0, "{arguments:?}: {}", run.stderr);
+        (run.stderr, serde_json::from_str::<serde_json::Value>(&run.stdout).expect("a document"))
     };
     let (said, document) = ok(&["--trust-rows", "components-lie.min"]);
     assert!(said.contains("the header says XYZF, the titles say HDZF; the titles are used"), "{said}");

@@ -25,36 +25,40 @@ const MINUTES: [&str; 2] = ["flx20240310b.min", "flx20240310a.min"];
 #[test]
 fn golden() {
     let case = |name: &str, files: &[&str], options: Options| {
-        testkit::golden(&format!("ingest/{name}"), "ingest/counts-map.json", |_| {
-            to_text(&of(files, options))
-        });
+        let name = format!("ingest/{name}");
+        testkit::golden(&name, "ingest/counts-map.json", |_| to_text(&of(files, options)));
     };
+    for (name, file) in [
+        ("half-seconds", "lemi.sec"),
+        ("logger", "logger.csv"),
+        ("ndjson", "field.ndjson"),
+        ("parquet", "field.parquet"),
+        ("spreadsheet", "spreadsheet.csv"),
+        ("imagcdf", "imagcdf.cdf"),
+        ("imagcdf-hdz", "imagcdf-hdz.cdf"),
+        ("mission", "mission.cdf"),
+        ("mission-compressed", "mission-compressed.cdf"),
+        ("pcdcp", "bou20241101.pcdcp"),
+        ("usgs", "usgs.json"),
+        ("magpy-pystr", "magpy-pystr.txt"),
+        ("magpy-pyascii", "magpy-pyascii.txt"),
+        ("imf", "flx20240310.imf"),
+        ("ibf", "flx2024.blv"),
+        ("ibf-old", "flx99.blv"),
+        ("absolute-usgs", "absolute.json"),
+        ("hapi", "hapi.csv"),
+    ] {
+        case(name, &[file], Options::default());
+    }
+    let beside = || Options { readings: Readings::Beside(None), ..Options::default() };
     case("minutes", &MINUTES, Options::default());
     case("horizontal", &["flx20240310v.min"], outside());
-    case("half-seconds", &["lemi.sec"], Options::default());
-    case("logger", &["logger.csv"], Options::default());
     case("counts", &["counts.txt"], mapped("counts"));
-    case("ndjson", &["field.ndjson"], Options::default());
-    case("parquet", &["field.parquet"], Options::default());
-    case("spreadsheet", &["spreadsheet.csv"], Options::default());
     case("codes", &["codes.csv"], mapped("codes"));
-    case("imagcdf", &["imagcdf.cdf"], Options::default());
-    case("imagcdf-hdz", &["imagcdf-hdz.cdf"], Options::default());
-    case("mission", &["mission.cdf"], Options::default());
-    case("mission-compressed", &["mission-compressed.cdf"], Options::default());
-    case("pcdcp", &["bou20241101.pcdcp"], Options::default());
-    case("usgs", &["usgs.json"], Options::default());
-    case("magpy-pystr", &["magpy-pystr.txt"], Options::default());
-    case("magpy-pyascii", &["magpy-pyascii.txt"], Options::default());
-    case("iaf", &["iaf.bin"], Options { readings: Readings::Beside(None), ..Options::default() });
+    case("iaf", &["iaf.bin"], beside());
     case("iaf-hdzf", &["iaf-hdzf.bin"], Options { readings: Readings::Beside(None), ..outside() });
-    case("imf", &["flx20240310.imf"], Options::default());
-    case("ibf", &["flx2024.blv"], Options::default());
-    case("ibf-old", &["flx99.blv"], Options::default());
     case("absolute", &["absolute-deg.txt", "absolute-null.txt"], Options::default());
-    case("absolute-usgs", &["absolute.json"], Options::default());
-    case("hapi", &["hapi.csv"], Options::default());
-    case("beside", &["lemi.sec"], Options { readings: Readings::Beside(None), ..Options::default() });
+    case("beside", &["lemi.sec"], beside());
 }
 
 /// X, Y, Z and F of the made-up field, nT, two decimals.
@@ -86,31 +90,35 @@ fn against(document: &Document, names: [&str; 4], step_s: f64, off_nt: f64) -> u
 
 #[test]
 fn the_field_comes_back() {
-    let sensor = ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt"];
-    let outside_names = ["outside_x_nt", "outside_y_nt", "outside_z_nt", "reference_nt"];
-    assert_eq!(against(&of(&MINUTES, Options::default()), sensor, 60.0, 0.0), 4 * 65 - 2);
-    // H to a hundredth of a nanotesla, D to a hundredth of a minute of arc: 0.06 nT.
-    assert_eq!(against(&of(&["flx20240310v.min"], outside()), outside_names, 60.0, 0.04), 40);
-    assert_eq!(against(&of(&["lemi.sec"], Options::default()), sensor, 1.0, 0.0), 60);
+    let of_file = |files: &[&str], step_s: f64, off_nt: f64, count: usize| {
+        let names = ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt"];
+        assert_eq!(against(&of(files, inline()), names, step_s, off_nt), count, "{files:?}");
+    };
+    of_file(&MINUTES, 60.0, 0.0, 4 * 65 - 2);
+    of_file(&["lemi.sec"], 1.0, 0.0, 60);
     // Five decimals of a microtesla.
-    assert_eq!(against(&of(&["logger.csv"], Options::default()), sensor, 30.0, 1e-10), 3 * 24);
-    assert_eq!(against(&of(&["field.ndjson"], Options::default()), sensor, 0.5, 0.0), 63);
-    assert_eq!(against(&of(&["field.parquet"], Options::default()), sensor, 0.5, 0.0), 63);
-    assert_eq!(against(&of(&["spreadsheet.csv"], Options::default()), sensor, 60.0, 0.0), 3 * 30);
+    of_file(&["logger.csv"], 30.0, 1e-10, 3 * 24);
+    of_file(&["field.ndjson"], 0.5, 0.0, 63);
+    of_file(&["field.parquet"], 0.5, 0.0, 63);
+    of_file(&["spreadsheet.csv"], 60.0, 0.0, 3 * 30);
     // The scalar has every other second, and a component one fill value.
-    assert_eq!(against(&of(&["imagcdf.cdf"], Options::default()), sensor, 1.0, 0.0), 3 * 30 - 1 + 15);
-    assert_eq!(against(&of(&["imagcdf-hdz.cdf"], Options::default()), sensor, 1.0, 1e-9), 3 * 12 - 2);
-    assert_eq!(against(&of(&["bou20241101.pcdcp"], Options::default()), sensor, 60.0, 0.0), 4 * 20 - 1);
-    assert_eq!(against(&of(&["usgs.json"], Options::default()), sensor, 60.0, 1e-8), 4 * 20 - 1);
+    of_file(&["imagcdf.cdf"], 1.0, 0.0, 3 * 30 - 1 + 15);
+    of_file(&["imagcdf-hdz.cdf"], 1.0, 1e-9, 3 * 12 - 2);
+    of_file(&["bou20241101.pcdcp"], 60.0, 0.0, 4 * 20 - 1);
+    of_file(&["usgs.json"], 60.0, 1e-8, 4 * 20 - 1);
     // Tenths of a nanotesla, and of a minute of arc: 0.3 nT.
-    assert_eq!(against(&of(&["iaf.bin"], inline()), sensor, 60.0, 0.1), 4 * 2880 - 6);
-    assert_eq!(against(&of(&["iaf-hdzf.bin"], inline()), sensor, 60.0, 0.35), 4 * 1440 - 2);
-    assert_eq!(against(&of(&["flx20240310.imf"], Options::default()), sensor, 60.0, 0.07), 4 * 119);
-    assert_eq!(against(&of(&["hapi.csv"], Options::default()), sensor, 60.0, 0.0), 4 * 20 - 1);
+    of_file(&["iaf.bin"], 60.0, 0.1, 4 * 2880 - 6);
+    of_file(&["iaf-hdzf.bin"], 60.0, 0.35, 4 * 1440 - 2);
+    of_file(&["flx20240310.imf"], 60.0, 0.07, 4 * 119);
+    of_file(&["hapi.csv"], 60.0, 0.0, 4 * 20 - 1);
     // Single precision.
-    assert_eq!(against(&of(&["mission.cdf"], Options::default()), sensor, 0.25, 0.002), 3 * 40 - 1);
+    of_file(&["mission.cdf"], 0.25, 0.002, 3 * 40 - 1);
+    // H to a hundredth of a nanotesla, D to a hundredth of a minute of arc: 0.06 nT.
+    let names = ["outside_x_nt", "outside_y_nt", "outside_z_nt", "reference_nt"];
+    assert_eq!(against(&of(&["flx20240310v.min"], outside()), names, 60.0, 0.04), 40);
+    let names = ["sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt"];
     let codes = of(&["codes.csv"], mapped("codes"));
-    assert_eq!(against(&codes, sensor, 1.0, 0.005_000_001), 3 * 20 - 1);
+    assert_eq!(against(&codes, names, 1.0, 0.005_000_001), 3 * 20 - 1);
     assert_eq!(codes.recordings[0].start.as_deref(), Some("2025-03-14T23:59:50Z"));
     let temperature = codes.recordings[0].column("sensor_temperature_c").expect("a temperature");
     assert!(temperature[5].is_nan() && temperature.iter().filter(|value| **value == 21.5).count() == 19);

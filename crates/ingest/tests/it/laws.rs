@@ -22,13 +22,9 @@ fn recording(files: &[&str]) -> Value {
     json!({"start": recording["start"], "columns": recording["columns"]})
 }
 
-fn field() -> String {
-    testkit::read_fixture("ingest/field.csv")
-}
-
 #[test]
 fn a_file_in_two_is_the_same_in_any_order() {
-    let text = field();
+    let text = testkit::read_fixture("ingest/field.csv");
     let whole = recording(&[&text]);
     let (header, rows) = text.split_once('\n').expect("a header");
     let rows: Vec<&str> = rows.lines().collect();
@@ -42,7 +38,7 @@ fn a_file_in_two_is_the_same_in_any_order() {
 
 #[test]
 fn the_unit_of_a_file_does_not_matter() {
-    let text = field();
+    let text = testkit::read_fixture("ingest/field.csv");
     let cell = |cell: &str| cell.parse().map_or(cell.to_string(), |nt: f64| (nt / 1000.0).to_string());
     let lines = text.replace("_nT", "_uT");
     let lines = lines.lines().map(|line| line.split(',').map(cell).collect::<Vec<_>>().join(","));
@@ -59,7 +55,7 @@ fn the_unit_of_a_file_does_not_matter() {
 
 #[test]
 fn the_names_of_the_axes_do_not_matter() {
-    let text = field();
+    let text = testkit::read_fixture("ingest/field.csv");
     let (expected, found) =
         (recording(&[&text]), recording(&[&text.replacen("x_nT,y_nT,z_nT", "y_nT,z_nT,x_nT", 1)]));
     for (old, new) in [("x", "y"), ("y", "z"), ("z", "x")] {

@@ -135,7 +135,6 @@ fn meant(key: &str) -> Option<&'static str> {
     near.map(|(place, _)| *place)
 }
 
-/// Whether the certificate has what belongs there.
 fn is_given(data: &Value, place: &str) -> bool {
     let has = |path: &str| data.pointer(path).is_some_and(|value| !value.is_null());
     match place {

@@ -2,14 +2,11 @@
 
 use common::{Certificate, Document};
 
-/// What is wrong with the days that are stated.
 pub fn notes(document: &Document, data: &Certificate) -> Vec<String> {
-    let mut notes = Vec::new();
-    for (key, text) in [("received", &data.received), ("issued", &data.issued)] {
-        if text.as_ref().is_some_and(|text| !is_day(text)) {
-            notes.push(format!("certificate.{key} is not a day in the form YYYY-MM-DD."));
-        }
-    }
+    let stated = [("received", &data.received), ("issued", &data.issued)];
+    let wrong = stated.into_iter().filter(|(_, text)| text.as_ref().is_some_and(|text| !is_day(text)));
+    let wrong = wrong.map(|(key, _)| format!("certificate.{key} is not a day in the form YYYY-MM-DD."));
+    let mut notes: Vec<String> = wrong.collect();
     let Some(Days { first, last, .. }) = days(document, data) else { return notes };
     // Days of one form have the order of their texts.
     let day = |text: &Option<String>| text.clone().filter(|text| is_day(text));
@@ -30,22 +27,19 @@ pub struct Days {
 
 /// The days that are stated, else those on which the recordings begin.
 pub fn days(document: &Document, data: &Certificate) -> Option<Days> {
-    let stated = data.calibrated.as_deref().unwrap_or_default();
-    let starts = document.recordings.iter().filter_map(|recording| recording.start.as_deref()?.get(..10));
-    let mut all: Vec<&str> =
-        if stated.is_empty() { starts.collect() } else { stated.iter().map(String::as_str).collect() };
-    all.sort_unstable();
-    let (first, last) = (all.first()?.to_string(), all.last()?.to_string());
-    let source = if stated.is_empty() { " (from the recordings)" } else { "" };
+    let starts =
+        document.recordings.iter().filter_map(|one| Some(one.start.as_deref()?.get(..10)?.to_string()));
+    let stated = data.calibrated.clone().filter(|stated| !stated.is_empty());
+    let source = if stated.is_none() { " (from the recordings)" } else { "" };
+    let all = stated.unwrap_or_else(|| starts.collect());
+    let (first, last) = (all.iter().min()?.clone(), all.iter().max()?.clone());
     let words = if first == last { format!("{first}{source}") } else { format!("{first} to {last}{source}") };
     Some(Days { first, last, words })
 }
 
 /// Whether a text is a day as YYYY-MM-DD.
 fn is_day(text: &str) -> bool {
-    let is_right = |(place, c): (usize, char)| match place {
-        4 | 7 => c == '-',
-        _ => c.is_ascii_digit(),
-    };
+    let is_right =
+        |(place, c): (usize, char)| if [4, 7].contains(&place) { c == '-' } else { c.is_ascii_digit() };
     text.len() == 10 && text.char_indices().all(is_right)
 }

@@ -1,16 +1,15 @@
 //! Directions of sensors or coils in their frame, and the angles between them.
 
-use crate::conformity::Joint;
 use common::covariance::between;
 use common::{Axis, Document, Quantity, uncertainty};
 use minijinja::{Value, context};
 use nalgebra::Vector3;
 
-use crate::certificate::expanded::NORMAL;
+use crate::conformity::{Joint, NORMAL, axes};
 
 /// The tables of one set of directions, `sensors` or `coils`: each row with its name, result, unit and factor.
 pub fn tables(document: &Document, joint: &Joint, of: &str, frame: &str) -> Vec<Value> {
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let axes = axes(document);
     let found =
         axes.and_then(|axes| if of == "sensors" { axes.sensors.as_ref() } else { axes.coils.as_ref() });
     let Some(found) = found else { return Vec::new() };
@@ -20,25 +19,18 @@ pub fn tables(document: &Document, joint: &Joint, of: &str, frame: &str) -> Vec<
     let paths = uncertainty::directions(of);
     // Each standard uncertainty is here that of the normal distribution with the same 95 % interval.
     let covariance = joint.covariance(&paths);
-    let own = axes.and_then(|axes| axes.fit.as_ref()).map(|fit| fit.coverage_factor_95);
     let factor = joint.factor(&paths[0]).max(NORMAL);
-    let expanded = |value: f64, variance: f64| {
-        if variance > 0.0 {
-            Quantity::new(value, variance.sqrt() * NORMAL / factor)
-        } else {
-            Quantity::Bare(value)
-        }
+    let expanded = |value: f64, variance: f64| match variance > 0.0 {
+        true => Quantity::new(value, variance.sqrt() * NORMAL / factor),
+        false => Quantity::Bare(value),
     };
-    let mut cosines: Vec<(String, Quantity, &str, f64)> = Vec::new();
-    for (axis, unit) in &known {
-        for (row, name) in ["x", "y", "z"].iter().enumerate() {
-            let place = 3 * axis.index() + row;
-            let result = expanded(unit[row], covariance[(place, place)]);
-            cosines.push((format!("{one} {axis}, cosine with {name} of {frame}"), result, "1", factor));
-        }
-    }
-    let mut angles = Vec::new();
+    let (mut cosines, mut angles): (Vec<(String, Quantity, &str, f64)>, Vec<_>) = Default::default();
     for (i, (a, first)) in known.iter().enumerate() {
+        for (row, name) in ["x", "y", "z"].iter().enumerate() {
+            let place = 3 * a.index() + row;
+            let result = expanded(first[row], covariance[(place, place)]);
+            cosines.push((format!("{one} {a}, cosine with {name} of {frame}"), result, "1", factor));
+        }
         for (b, second) in &known[i + 1..] {
             let cosine = first.dot(second).clamp(-1.0, 1.0);
             let across = (1.0 - cosine * cosine).sqrt();
@@ -55,9 +47,9 @@ pub fn tables(document: &Document, joint: &Joint, of: &str, frame: &str) -> Vec<
             angles.push((format!("between {one}s {a} and {b}"), result, "deg", factor));
         }
     }
+    let own = axes.and_then(|axes| axes.fit.as_ref()).map_or(factor, |fit| fit.coverage_factor_95);
     for (axis, angle) in found.off_nominal_arcsec.iter().flat_map(|all| all.iter()) {
-        let name = format!("{one} {axis}, off its nominal axis");
-        angles.push((name, angle.clone(), "arcsec", own.unwrap_or(factor)));
+        angles.push((format!("{one} {axis}, off its nominal axis"), angle.clone(), "arcsec", own));
     }
     vec![
         context! { caption => format!("Directions of the {of} in {frame}, as cosines"), rows => cosines },

@@ -1,13 +1,10 @@
 //! A result with its expanded uncertainty.
 
+use crate::certificate::BLANK;
+use crate::conformity::NORMAL;
 use crate::page::Cell;
 use crate::page::number::{as_known, bare, figures, uncertain};
 use common::Quantity;
-
-use crate::certificate::sheet::BLANK;
-
-/// From standard uncertainty to 95 % interval of a normal distribution.
-pub const NORMAL: f64 = 1.959_963_984_540_054;
 
 /// `6401.196 ± 0.029` and k: U = k u, the half width of the 95 % interval (JCGM 100, 6.2), with two digits,
 /// the value to the same decimal (7.2.6). k is the quantity's own `coverage_factor_95`, else that of the fit it

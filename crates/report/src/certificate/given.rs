@@ -1,13 +1,12 @@
 //! What the template of the certificate is given beside the document.
 
-use crate::conformity::{Joint, offset_path};
+use crate::conformity::{Joint, axes, offset_path};
 use crate::page::number;
 use crate::page::template::part;
-use common::{Axis, Certificate, Document, PerAxis, Quantity, Recording, procedure};
+use common::{Axis, Certificate, Document, PerAxis, Quantity, procedure};
 use minijinja::{Value, context};
 
-use crate::certificate::sheet::BLANK;
-use crate::certificate::{Asked, days, directions};
+use crate::certificate::{Asked, BLANK, days, directions};
 
 pub fn context(document: &Document, data: &Certificate, joint: &Joint, asked: &Asked<'_>) -> Value {
     let offsets: PerAxis<(Quantity, f64)> =
@@ -48,32 +47,22 @@ pub fn context(document: &Document, data: &Certificate, joint: &Joint, asked: &A
 
 /// O of a sensor and its factor; where axescal found more of the offset, O is the sum, with its uncertainty.
 fn offset(document: &Document, joint: &Joint, axis: Axis) -> Option<(Quantity, f64)> {
-    let calibration = document.calibration.as_ref()?;
-    let stated = calibration.sensor(axis)?.offset_nt.as_ref()?;
-    let added = calibration.axes.as_ref().and_then(|axes| axes.offsets_nt.as_ref()?.get(axis));
+    let stated = document.calibration.as_ref()?.sensor(axis)?.offset_nt.as_ref()?;
     let factor = joint.factor(&offset_path(document, axis));
-    let Some(added) = added else { return Some((stated.clone(), factor)) };
+    let Some(added) = axes(document).and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)) else {
+        return Some((stated.clone(), factor));
+    };
     let sum = stated.value() + added.value();
     let sum = added.std().or(stated.std()).map_or(Quantity::Bare(sum), |std| Quantity::new(sum, std));
     Some((sum, added.coverage_factor_95().unwrap_or(factor)))
 }
 
-/// The lowest and the highest temperature that was recorded of a part.
+/// The lowest and the highest temperature that was recorded of a part, in columns and as conditions.
 fn recorded(document: &Document, part: &str) -> Option<[f64; 2]> {
     let key = format!("{part}_temperature_c");
-    let all = document.recordings.iter().flat_map(|recording| temperatures(recording, &key));
+    let all = document.recordings.iter().flat_map(|recording| {
+        let condition = recording.conditions.extra.get(&key).and_then(serde_json::Value::as_f64);
+        recording.column(&key).unwrap_or_default().iter().copied().chain(condition)
+    });
     number::ends(all)
-}
-
-/// The temperatures of a recording, as a column or as a condition.
-fn temperatures(recording: &Recording, key: &str) -> Vec<f64> {
-    let column = recording.column(key).unwrap_or_default();
-    let condition = recording.conditions.extra.get(key).and_then(serde_json::Value::as_f64);
-    column.iter().copied().chain(condition).collect()
-}
-
-/// The largest of some residuals in size; None of none.
-pub fn largest(all: Option<Vec<f64>>) -> Option<f64> {
-    let all = all.filter(|all| !all.is_empty())?;
-    Some(all.iter().map(|one| one.abs()).fold(0.0, f64::max))
 }

@@ -1,15 +1,10 @@
 //! A certificate as HTML: one file without script and network, for the screen and for paper.
 
-use crate::page::{Cell, Table, template};
+use crate::certificate::{BLANK, Sheet};
+use crate::page::html;
+use crate::page::template;
 use common::Error;
-use minijinja::{Value, context};
-
-use crate::certificate::sheet::{BLANK, Field, Item, Part, Sheet};
-
-/// Words in a cell that are longer may be broken.
-const WHOLE: usize = 28;
-/// No longer than a day, which is not broken on paper either.
-const DAY: usize = 10;
+use minijinja::context;
 
 /// The certificate as HTML that is well-formed XML as well, for a size of paper by its name in CSS; without
 /// one the printer's counts.
@@ -26,7 +21,7 @@ pub fn render(sheet: &Sheet, paper: Option<&str>) -> Result<String, Error> {
         laboratory => sheet.laboratory,
         blanks => sheet.blank().join("; "),
         notes => sheet.notes,
-        parts => sheet.parts.iter().map(part).collect::<Vec<_>>(),
+        parts => sheet.parts.iter().map(|part| html::section(part, 1)).collect::<Vec<_>>(),
     };
     template::rendered(&template::html(), include_str!("certificate.html.jinja"), context)
 }
@@ -51,57 +46,12 @@ fn css_string(text: &str) -> String {
     format!("\"{}\"", text.chars().filter(|c| !c.is_control()).map(one).collect::<String>())
 }
 
-fn part(part: &Part) -> Value {
-    let is_field = |item: &Item| matches!(item, Item::Field(_));
-    let groups = part.items.chunk_by(|a, b| is_field(a) && is_field(b));
-    context! { title => part.title, clauses => part.clauses, items => groups.map(items).collect::<Vec<_>>() }
-}
-
-/// Neighbouring fields together, or one item.
-fn items(group: &[Item]) -> Value {
-    match group {
-        [Item::Signature] => context! { signature => true },
-        [Item::Page(crate::page::Item::Heading(heading))] => context! { heading },
-        [Item::Page(crate::page::Item::Words(words))] => context! { words => words.replace('`', "") },
-        [Item::Page(crate::page::Item::Table(one))] => context! { table => table(one.clone()) },
-        fields => {
-            let fields = fields.iter().filter_map(|item| match item {
-                Item::Field(field) => Some(field),
-                _ => None,
-            });
-            context! { fields => fields.collect::<Vec<&Field>>() }
-        }
-    }
-}
-
-fn table(mut table: Table) -> Value {
-    table.leave_out_empty_columns();
-    let cell = |cell: &Cell| {
-        let text = cell.to_string();
-        let class = match text.chars().count() {
-            _ if text.contains(BLANK) => "",
-            letters if letters <= DAY => "day",
-            letters if letters <= WHOLE => "whole",
-            _ => "",
-        };
-        context! { text, class }
-    };
-    let row = |row: &Vec<Cell>| row.iter().map(cell).collect::<Vec<_>>();
-    context! {
-        caption => table.caption,
-        headers => table.headers,
-        rows => table.rows.iter().map(row).collect::<Vec<_>>(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::*;
-
     #[test]
     fn no_number_ends_the_style() {
-        assert_eq!(css_string("A-1"), "\"A\\2d 1\"");
-        let hostile = css_string("\"; } </style><script>\\\u{1}");
+        assert_eq!(super::css_string("A-1"), "\"A\\2d 1\"");
+        let hostile = super::css_string("\"; } </style><script>\\\u{1}");
         assert!(!hostile.contains('<') && hostile.matches('"').count() == 2, "{hostile}");
     }
 }

@@ -1,6 +1,5 @@
 //! The error of a corrected field, as a budget over a whole sphere of fields.
 
-mod gaps;
 mod sensor;
 
 use common::number::{bare, fixed, signed, significant};
@@ -8,14 +7,13 @@ use common::{Axis, Document, uncertainty};
 use faer::{Mat, RowRef};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::conformity::Requirement;
-use crate::conformity::axes::Directions;
-use crate::conformity::joint::Joint;
+use crate::conformity::directions::Directions;
+use crate::conformity::joint::{self, Joint};
 use crate::conformity::range::calibrated_nt;
+use crate::conformity::spec::Requirement;
 use crate::conformity::temperature::{Part, asked};
 use crate::conformity::verdict::{Rule, Shown, ShownValue, shown};
-use gaps::Gaps;
-use sensor::{Case, Sensor};
+use sensor::{Case, Gaps, Sensor};
 
 /// Directions of the field, evenly over the sphere: none is farther than 2.5° from one of them.
 const DIRECTIONS: usize = 2000;
@@ -57,11 +55,9 @@ struct Budget {
     gaps: Vec<String>,
 }
 
-/// The error of a component in one case.
 struct ComponentError {
     bias: f64,
     std: f64,
-    /// The derivative by each parameter.
     weights: Vec<f64>,
     /// Standard uncertainty of each term that rests on no parameter.
     terms: Vec<(&'static str, f64)>,
@@ -78,8 +74,8 @@ impl Budget {
         let mut range_nt = asked_nt;
         let mut along_nt = [asked_nt; 3];
         for axis in Axis::ALL {
-            let found = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
-            let found = found.ok_or("the sensors were not calibrated; sensorcal does it")?;
+            let found =
+                joint::sensor(document, axis).ok_or("the sensors were not calibrated; sensorcal does it")?;
             let sensor = Sensor::of((document, joint), requirement, axis, found, &mut gaps);
             sensors.push(sensor.ok_or(
                 "a sensor's sensitivity or offset has no uncertainty; sensorcal finds both from `sensor_sensitivity` and \
@@ -101,9 +97,8 @@ impl Budget {
                     "its calibrated range of fields is unknown (`sensor_sensitivity` would show it)",
                 ),
             }
-            let across = found.cross_field.as_ref().map(|fit| &fit.levels.across_nt);
-            let across =
-                across.map(|fields| fields.iter().fold(0.0, |most: f64, field| most.max(field.abs())));
+            let across = found.cross_field.as_ref().map(|fit| fit.levels.across_nt.iter());
+            let across = across.map(|fields| fields.fold(0.0, |most: f64, field| most.max(field.abs())));
             if let Some(across) = across.filter(|across| *across < asked_nt) {
                 range_nt = range_nt.min(across);
                 let gap = format!(

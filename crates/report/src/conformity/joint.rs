@@ -2,8 +2,8 @@
 
 use common::uncertainty::{self, Block};
 use common::{
-    AdoptedEffect, Axis, Calibration, Document, Error, Quantity, SensorCalibration, TemperatureFit,
-    Uncertainty, covariance,
+    AdoptedEffect, AxesCalibration, Axis, Calibration, Document, Error, PerAxis, Quantity, SensorCalibration,
+    TemperatureFit, Uncertainty, covariance,
 };
 use estimate::stats;
 use faer::{Mat, mat};
@@ -20,11 +20,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// Of a document.
-    ///
-    /// # Errors
-    ///
-    /// A stated covariance that none can be.
+    /// Of a document; an error where a stated covariance can be none.
     pub fn of(document: &Document) -> Result<Self, Error> {
         let calibration = document.calibration.clone().unwrap_or_default();
         let mut sources = calibration.uncertainty.clone().unwrap_or_default();
@@ -64,7 +60,20 @@ impl Joint {
     }
 }
 
-/// The path of a parameter of an effect of a sensor.
+pub fn axes(document: &Document) -> Option<&AxesCalibration> {
+    document.calibration.as_ref()?.axes.as_ref()
+}
+
+pub fn sensor(document: &Document, axis: Axis) -> Option<&SensorCalibration> {
+    document.calibration.as_ref()?.sensor(axis)
+}
+
+/// k of a sensor, and the unit of its readings.
+pub fn sensitivity(found: &SensorCalibration) -> Option<(&Quantity, &'static str)> {
+    let volt = found.sensitivity_nt_per_v.as_ref().map(|k| (k, "v"));
+    volt.or(found.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nt")))
+}
+
 pub fn effect(name: &str, sensor: Axis, parameter: &str) -> String {
     let effect = AdoptedEffect { effect: name.into(), sensor: Some(sensor), ..AdoptedEffect::default() };
     uncertainty::effect(&effect, parameter)
@@ -79,22 +88,23 @@ pub fn adopted<'a>(document: &'a Document, name: &str, sensor: Axis) -> Option<&
 
 /// The path of an offset: what axescal adds to one has the uncertainty of the sum.
 pub fn offset(document: &Document, sensor: Axis) -> String {
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let added = axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(sensor)?.std());
-    added.map_or_else(|| uncertainty::sensor_offset(sensor), |_| uncertainty::added_offset(sensor))
+    match added_std(document, sensor) {
+        Some(_) => uncertainty::added_offset(sensor),
+        None => uncertainty::sensor_offset(sensor),
+    }
+}
+
+fn added_std(document: &Document, sensor: Axis) -> Option<f64> {
+    axes(document)?.offsets_nt.as_ref()?.get(sensor)?.std()
 }
 
 /// What stands beside the values, with the factor to 95 % intervals.
 fn beside(document: &Document, calibration: &Calibration) -> Vec<(Block, f64)> {
-    let of = |sensor: Axis| {
-        let found = calibration.sensor(sensor);
-        let parts = found.map(|found| {
-            let across = across(document, sensor, found);
-            [constants(document, sensor, found), temperatures(sensor, found), across]
-        });
-        parts.into_iter().flatten().flatten()
-    };
-    Axis::ALL.into_iter().flat_map(of).chain(directions(calibration)).collect()
+    let sensors = calibration.sensors.iter().flat_map(PerAxis::iter).flat_map(|(axis, found)| {
+        let across = across(document, axis, found);
+        [constants(document, axis, found), temperatures(axis, found), across]
+    });
+    sensors.flatten().chain(directions(calibration)).collect()
 }
 
 fn block(name: String, parameters: Vec<String>, covariance: Mat<f64>) -> Block {
@@ -103,10 +113,8 @@ fn block(name: String, parameters: Vec<String>, covariance: Mat<f64>) -> Block {
 
 /// k and O as sensorcal and axescal found them.
 fn constants(document: &Document, sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)> {
-    let k = found.sensitivity_nt_per_v.as_ref().map(|k| (k, "v"));
-    let (k, unit) = k.or(found.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nt")))?;
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let added = axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(sensor)?.std());
+    let (k, unit) = sensitivity(found)?;
+    let added = added_std(document, sensor);
     let (k, o) = (k.std()?, added.or(found.offset_nt.as_ref()?.std())?);
     let place = |name: &str| found.covariance_order.as_ref()?.iter().position(|key| key == name);
     let entry = |i: usize, j: usize| found.covariance.as_ref()?.get(i)?.get(j).copied();
@@ -122,7 +130,6 @@ fn constants(document: &Document, sensor: Axis, found: &SensorCalibration) -> Op
     Some((block(name, paths, covariance), factors.into_iter().flatten().fold(0.0, f64::max)))
 }
 
-/// The coefficients of the temperature runs.
 fn temperatures(sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)> {
     let fit = found.temperature.as_ref().filter(|fit| !fit.covariance_order.is_empty())?;
     let paths = temperature_paths(sensor, fit)?;
@@ -130,7 +137,6 @@ fn temperatures(sensor: Axis, found: &SensorCalibration) -> Option<(Block, f64)>
     Some((block(name, paths, covariance::matrix(&fit.covariance)), fit.noise.coverage_factor_95))
 }
 
-/// The paths of the coefficients of a temperature run.
 pub fn temperature_paths(sensor: Axis, fit: &TemperatureFit) -> Option<Vec<String>> {
     let names = fit.covariance_order.iter().map(|name| name.split_once('.'));
     names.map(|name| name.map(|(of, parameter)| effect(of, sensor, parameter))).collect()

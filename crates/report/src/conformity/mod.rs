@@ -5,7 +5,7 @@
 //! shown*, with the procedure that would show it.
 
 mod accuracy;
-mod axes;
+mod directions;
 mod joint;
 mod noise;
 mod offset;
@@ -15,9 +15,11 @@ mod temperature;
 mod verdict;
 mod words;
 
-pub use joint::{Joint, offset as offset_path};
-pub use spec::{Calibrated, Requirement, RequirementKind, Spec, Temperatures};
-pub use verdict::{Missing, Rule, Shown, ShownValue, Side, Verdict};
+pub(crate) use joint::{Joint, axes, offset as offset_path};
+pub use spec::{Requirement, RequirementKind, Spec};
+pub(crate) use verdict::NORMAL;
+use verdict::Rule;
+pub use verdict::{Shown, ShownValue, Verdict};
 pub use words::section;
 
 use common::{Axis, Document};
@@ -54,15 +56,21 @@ pub fn judge<'a>(document: &Document, spec: &'a Spec) -> Result<Vec<Judged<'a>>,
 
 fn one<'a>((document, joint): (&Document, &Joint), requirement: &'a Requirement, rule: Rule) -> Judged<'a> {
     let shown = match requirement.kind {
-        RequirementKind::OrthogonalityDeg => axes::orthogonality(document, joint),
-        RequirementKind::AxesArcsec => axes::known(document, joint),
-        RequirementKind::AxesFromNominalArcsec => axes::from_nominal(document, joint, requirement),
-        RequirementKind::AxesOverTemperatureArcsec => axes::over_temperature(document, requirement),
+        RequirementKind::OrthogonalityDeg => directions::orthogonality(document, joint),
+        RequirementKind::AxesArcsec => directions::known(document, joint),
+        RequirementKind::AxesFromNominalArcsec => directions::from_nominal(document, joint, requirement),
+        RequirementKind::AxesOverTemperatureArcsec => {
+            each_sensor(document, |axis| directions::over_temperature(document, requirement, axis))
+        }
         RequirementKind::RangeNt => range::range(document),
-        RequirementKind::ResolutionNt => range::resolution(document),
-        RequirementKind::BandwidthHz => range::bandwidth(document),
-        RequirementKind::NoiseZeroToPeakNt => noise::zero_to_peak(document, requirement),
-        RequirementKind::OffsetStabilityNt => offset::stability(document, joint, requirement),
+        RequirementKind::ResolutionNt => each_sensor(document, |axis| range::resolution(document, axis)),
+        RequirementKind::BandwidthHz => each_sensor(document, |axis| range::bandwidth(document, axis)),
+        RequirementKind::NoiseZeroToPeakNt => {
+            each_sensor(document, |axis| noise::zero_to_peak(document, requirement, axis))
+        }
+        RequirementKind::OffsetStabilityNt => {
+            each_sensor(document, |axis| offset::stability(document, joint, requirement, axis))
+        }
         RequirementKind::AbsoluteAccuracyNt => accuracy::accuracy((document, joint), requirement, rule),
     };
     let side = requirement.kind.side();

@@ -1,8 +1,9 @@
 use common::number::{bare, duration, p_value, significant};
 use common::{Axis, Document, SensorNoise};
 
-use crate::conformity::verdict::{Shown, ShownValue};
-use crate::conformity::{Requirement, each_sensor};
+use crate::conformity::joint::sensor;
+use crate::conformity::spec::Requirement;
+use crate::conformity::verdict::ShownValue;
 
 /// Below this probability the spectrum is not of the form that is integrated.
 const UNLIKE_BELOW: f64 = 0.001;
@@ -16,16 +17,16 @@ const BOUND: f64 = 1.645;
 /// crosses zero upwards in a second (Rice 1944, Bell Syst. Tech. J. 23, 282). u²(σ g) = Σ d_i ρ_ij d_j, d_i
 /// the changes by u(A), u(α) and u(w) and ρ their correlations. Where the document does not state these, it
 /// is the square of the sum of their sizes: no correlation makes it larger.
-pub fn zero_to_peak(document: &Document, requirement: &Requirement) -> Vec<Shown> {
-    let (Some(band), Some(over_s)) = (requirement.band_hz, requirement.over_s) else { return Vec::new() };
-    each_sensor(document, |axis| one(document, axis, band, over_s))
-}
-
-fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Result<ShownValue, String> {
-    let noise =
-        document.calibration.as_ref().and_then(|c| c.sensor(axis)?.noise.as_ref()).ok_or(
-            "its noise was not measured; sensorcal finds its spectrum from `sensor_noise` in a shield",
-        )?;
+pub fn zero_to_peak(
+    document: &Document,
+    requirement: &Requirement,
+    axis: Axis,
+) -> Result<ShownValue, String> {
+    let asked = requirement.band_hz.zip(requirement.over_s);
+    let (band, over_s) = asked.ok_or("the requirement has no band of frequencies")?;
+    let noise = sensor(document, axis)
+        .and_then(|sensor| sensor.noise.as_ref())
+        .ok_or("its noise was not measured; sensorcal finds its spectrum from `sensor_noise` in a shield")?;
     let fastest = noise.series.iter().max_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
     let fastest = fastest.filter(|series| series.rate_hz >= 2.0 * band[1] * (1.0 - 1e-9));
     let fastest = fastest.ok_or_else(|| {
@@ -40,19 +41,14 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Result<S
     let changes = spectrum.moved().map(|moved| moved.zero_to_peak(band, over_s) - value);
     let mut gaps = Vec::new();
     if noise.goodness_p < UNLIKE_BELOW {
-        gaps.push(format!(
-            "the spectrum is not of the form that is integrated ({})",
-            p_value(noise.goodness_p)
-        ));
+        let p = p_value(noise.goodness_p);
+        gaps.push(format!("the spectrum is not of the form that is integrated ({p})"));
     }
     let longest =
         noise.series.iter().map(|series| series.samples as f64 / series.rate_hz).fold(0.0, f64::max);
     if longest * band[0] < 1.0 {
-        gaps.push(format!(
-            "the longest series of {} shows nothing of {} Hz",
-            duration(longest),
-            bare(band[0])
-        ));
+        let (length, lowest) = (duration(longest), bare(band[0]));
+        gaps.push(format!("the longest series of {length} shows nothing of {lowest} Hz"));
     }
     let lines = noise.lines.iter().filter(|line| line.recording == fastest.recording);
     let inside = lines.filter(|line| (band[0]..=band[1]).contains(&line.frequency_hz));
@@ -63,12 +59,10 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Result<S
     let (rms, often) = (spectrum.rms(band), spectrum.crossings_hz(band));
     let how = if rms > 0.0 {
         let exceeded = rms * (2.0 * (2.0 * often * over_s / -(0.95f64.ln())).ln()).max(0.0).sqrt();
+        let [rms, often, peak, exceeded] =
+            [rms, often, value / rms, exceeded].map(|number| significant(number, 3));
         format!(
-            "{} nT rms, {} crossings a second, peak {} times the rms; one record in twenty exceeds {} nT",
-            significant(rms, 3),
-            significant(often, 3),
-            significant(value / rms, 3),
-            significant(exceeded, 3)
+            "{rms} nT rms, {often} crossings a second, peak {peak} times the rms; one record in twenty exceeds {exceeded} nT"
         )
     } else {
         "no noise was found".into()
@@ -79,18 +73,17 @@ fn one(document: &Document, axis: Axis, band: [f64; 2], over_s: f64) -> Result<S
 
 /// Correlations of A, α and w, where the document states their covariance.
 fn correlation(noise: &SensorNoise) -> Option<[[f64; 3]; 3]> {
-    let rows = &noise.covariance;
-    let std = |i: usize| Some(rows.get(i)?.get(i)?.sqrt());
-    let entry = |i: usize, j: usize| {
-        let (own, other) = (std(i)?, std(j)?);
-        let entry = *rows.get(i)?.get(j)?;
-        Some(if i == j { 1.0 } else { entry / (own * other) })
-    };
-    let all = [0, 1, 2].map(|i| [0, 1, 2].map(|j| entry(i, j).filter(|value| value.is_finite())));
-    all.iter().flatten().all(Option::is_some).then(|| all.map(|row| row.map(Option::unwrap_or_default)))
+    let entry = |i: usize, j: usize| noise.covariance.get(i)?.get(j).copied();
+    let mut all = [[1.0; 3]; 3];
+    for (i, j) in (0..9).map(|place| (place / 3, place % 3)) {
+        let both = (entry(i, i)?.sqrt(), entry(j, j)?.sqrt(), entry(i, j)?);
+        if i != j {
+            all[i][j] = Some(both.2 / (both.0 * both.1)).filter(|found| found.is_finite())?;
+        }
+    }
+    Some(all)
 }
 
-/// The standard uncertainty by all changes together.
 fn together(changes: [f64; 3], correlation: Option<[[f64; 3]; 3]>) -> f64 {
     let Some(correlation) = correlation else { return changes.iter().map(|change| change.abs()).sum() };
     let row = |i: usize| (0..3).map(|j| changes[i] * correlation[i][j] * changes[j]).sum::<f64>();
@@ -164,7 +157,6 @@ impl Spectrum {
             + 2.0 * self.white[0].powi(2) * self.step_s * power(order)
     }
 
-    /// With each parameter larger by its standard uncertainty.
     fn moved(&self) -> [Self; 3] {
         let mut moved = [*self; 3];
         moved[0].amplitude[0] += self.amplitude[1];
@@ -179,29 +171,21 @@ mod tests {
     use super::*;
     use serde_json::Value;
 
-    /// Cases of `fixtures/reference/certificate.py`: the spectrum, band, duration, and what SciPy gives.
-    fn cases() -> Vec<(Spectrum, [f64; 2], f64, Value)> {
+    /// Cases of `fixtures/reference/certificate.py`, with what SciPy gives.
+    #[test]
+    fn rms_and_zero_to_peak_are_those_of_scipy() {
         let text = testkit::read_fixture("reference/certificate.json");
         let reference: Value = serde_json::from_str(&text).expect("JSON");
-        let cases = reference["noise"].as_array().expect("cases").clone();
-        let of = |case: Value| {
+        for case in reference["noise"].as_array().expect("cases") {
             let number = |key: &str| case[key].as_f64().expect("a number");
             let band = [0, 1].map(|end| case["band_hz"][end].as_f64().expect("a frequency"));
+            let over_s = number("over_s");
             let spectrum = Spectrum {
                 amplitude: [number("amplitude"), 0.05 * number("amplitude")],
                 exponent: [number("exponent"), 0.03],
                 white: [number("white"), 0.02 * number("white")],
                 step_s: number("step_s"),
             };
-            (spectrum, band, number("over_s"), case)
-        };
-        cases.into_iter().map(of).collect()
-    }
-
-    #[test]
-    fn rms_and_zero_to_peak_are_those_of_scipy() {
-        for (spectrum, band, over_s, case) in cases() {
-            let number = |key: &str| case[key].as_f64().expect("a number");
             assert!((spectrum.rms(band) / number("rms_nt") - 1.0).abs() < 1e-10, "{case}");
             // Peaks come in clumps where low frequencies are strong; the formula takes them one by one and is
             // a little high.
@@ -209,6 +193,21 @@ mod tests {
             let chance = 3.0 * number("error_of_mean_nt") / number("zero_to_peak_nt");
             println!("{by:+.4} ± {:.4}", chance / 3.0);
             assert!((-chance..0.02 + chance).contains(&by), "{by:+.4}: {case}");
+            // Over parameters that move together in any sense, the figure moves by no more than u, and in one
+            // sense by u.
+            let value = spectrum.zero_to_peak(band, over_s);
+            let moves = |moved: Spectrum| (moved.zero_to_peak(band, over_s) - value).abs();
+            let std: f64 = spectrum.moved().map(moves).iter().sum();
+            let moved = |signs: [f64; 3]| {
+                let mut all = spectrum;
+                all.amplitude[0] += signs[0] * all.amplitude[1];
+                all.exponent[0] += signs[1] * all.exponent[1];
+                all.white[0] += signs[2] * all.white[1];
+                moves(all)
+            };
+            let all = (0..8).map(|k| [k & 1, k >> 1 & 1, k >> 2].map(|sign| f64::from(2 * sign - 1)));
+            let most = all.map(moved).fold(0.0, f64::max);
+            assert!((most / std - 1.0).abs() < 0.05, "{most} beside {std}: {case}");
         }
     }
 
@@ -226,27 +225,6 @@ mod tests {
         assert_eq!(correlation(&noise).expect("stated")[0][1], 0.5);
         noise.covariance.pop();
         assert_eq!(correlation(&noise), None);
-    }
-
-    /// Over parameters that move together in any sense, the figure moves by no more than u, and in one sense
-    /// by u.
-    #[test]
-    fn the_uncertainty_bounds_every_correlation() {
-        for (spectrum, band, over_s, case) in cases() {
-            let value = spectrum.zero_to_peak(band, over_s);
-            let std: f64 =
-                spectrum.moved().iter().map(|moved| (moved.zero_to_peak(band, over_s) - value).abs()).sum();
-            let moved = |signs: [f64; 3]| {
-                let mut all = spectrum;
-                all.amplitude[0] += signs[0] * all.amplitude[1];
-                all.exponent[0] += signs[1] * all.exponent[1];
-                all.white[0] += signs[2] * all.white[1];
-                (all.zero_to_peak(band, over_s) - value).abs()
-            };
-            let all = (0..8).map(|k| [k & 1, k >> 1 & 1, k >> 2].map(|sign| f64::from(2 * sign - 1)));
-            let most = all.map(moved).fold(0.0, f64::max);
-            assert!((most / std - 1.0).abs() < 0.05, "{most} beside {std}: {case}");
-        }
     }
 
     #[test]

@@ -1,10 +1,10 @@
 use common::number::{signed, significant, uncertain};
 use common::{Axis, Document, OffsetDrift, Quantity};
 
-use crate::conformity::joint::Joint;
+use crate::conformity::joint::{Joint, sensor};
+use crate::conformity::spec::Requirement;
 use crate::conformity::temperature::{Coefficients, Part, Range, asked};
-use crate::conformity::verdict::{Shown, ShownValue, normal_std};
-use crate::conformity::{Requirement, each_sensor};
+use crate::conformity::verdict::{ShownValue, normal_std};
 
 /// Below this probability a yearly term is more than chance.
 const YEARLY_BELOW: f64 = 0.01;
@@ -15,12 +15,9 @@ const YEAR_D: f64 = 365.25;
 /// Largest change of an offset, nT: over the temperatures |Σ_parts c ΔT + q ΔT²| at the worst of their ends
 /// and turning points; over the years what [`drift`] gives; both added, with u² the sum of both squares (JCGM
 /// 100).
-pub fn stability(document: &Document, joint: &Joint, requirement: &Requirement) -> Vec<Shown> {
-    each_sensor(document, |axis| one((document, joint), requirement, axis))
-}
-
-fn one(
-    (document, joint): (&Document, &Joint),
+pub fn stability(
+    document: &Document,
+    joint: &Joint,
     requirement: &Requirement,
     axis: Axis,
 ) -> Result<ShownValue, String> {
@@ -63,7 +60,7 @@ fn one(
         found.gaps.extend(parts.iter().filter_map(|(_, range)| range.gap.clone()));
     }
     if let Some(years) = requirement.years {
-        let drift = document.calibration.as_ref().and_then(|c| c.sensor(axis)?.drift.as_ref());
+        let drift = sensor(document, axis).and_then(|sensor| sensor.drift.as_ref());
         let drift = drift
             .ok_or("offsets were not followed over time; sensorcal finds their drift from `offset_drift`")?;
         let drift = self::drift(drift, years)?;
@@ -76,7 +73,6 @@ fn one(
     Ok(found)
 }
 
-/// How an offset moves in some years.
 pub struct Drift {
     /// The change, nT, with the sign of the trend.
     pub value: f64,
@@ -84,7 +80,6 @@ pub struct Drift {
     pub std: f64,
     /// Where the dates do not span the years.
     pub gap: Option<String>,
-    /// In words.
     pub how: String,
 }
 
@@ -112,11 +107,8 @@ pub fn drift(drift: &OffsetDrift, years: f64) -> Result<Drift, String> {
     }
     let days = drift.dates.time_d.last().copied().unwrap_or(0.0);
     let gap = (days < SPAN * years * YEAR_D).then(|| {
-        format!(
-            "offsets were followed over {} days of {} (go on with `offset_drift`)",
-            significant(days, 4),
-            significant(years * YEAR_D, 4)
-        )
+        let [days, asked] = [days, years * YEAR_D].map(|days| significant(days, 4));
+        format!("offsets were followed over {days} days of {asked} (go on with `offset_drift`)")
     });
     Ok(Drift { value: size.copysign(trend.value()), std, gap, how })
 }

@@ -2,7 +2,7 @@ use common::number::{significant, uncertain};
 use common::{Axis, Document, SensitivityFit, SensorCalibration};
 
 use crate::conformity::each_sensor;
-use crate::conformity::joint::adopted;
+use crate::conformity::joint::{adopted, axes, sensitivity, sensor};
 use crate::conformity::verdict::{Shown, ShownValue, normal_std};
 
 /// Declared and found widths of a code that differ by more than this share are told.
@@ -55,11 +55,7 @@ pub fn calibrated_nt(sensor: &SensorCalibration) -> Option<f64> {
 
 /// Width of a code, nT: the larger of the declared one (times k) and of those that the noise recordings show.
 /// u = width u(k)/k; the number of volts of a code is taken as it is.
-pub fn resolution(document: &Document) -> Vec<Shown> {
-    each_sensor(document, |axis| one_resolution(document, axis))
-}
-
-fn one_resolution(document: &Document, axis: Axis) -> Result<ShownValue, String> {
+pub fn resolution(document: &Document, axis: Axis) -> Result<ShownValue, String> {
     let [declared, seen] = codes_nt(document, axis);
     let (value, how) = match (declared, seen) {
         (Some(declared), Some(seen)) if (seen / declared - 1.0).abs() > UNLIKE => (
@@ -100,11 +96,7 @@ pub fn codes_nt(document: &Document, axis: Axis) -> [Option<f64>; 2] {
 
 /// The frequency up to which a sensor follows the field, Hz: 1/(2π τ) with τ of `loop_bandwidth` in the
 /// model, u = f u(τ)/τ; else the highest drive of an AC run that it was seen to follow.
-pub fn bandwidth(document: &Document) -> Vec<Shown> {
-    each_sensor(document, |axis| one_bandwidth(document, axis))
-}
-
-fn one_bandwidth(document: &Document, axis: Axis) -> Result<ShownValue, String> {
+pub fn bandwidth(document: &Document, axis: Axis) -> Result<ShownValue, String> {
     let lag = adopted(document, "loop_bandwidth", axis).and_then(|effect| effect.parameters.get("lag_s"));
     if let Some(lag) = lag.filter(|lag| lag.value() > 0.0) {
         let value = 1.0 / (std::f64::consts::TAU * lag.value());
@@ -114,8 +106,8 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Result<ShownValue, String> 
             format!("the loop follows with a lag of {} ms", uncertain(lag.value() * 1e3, lag_std * 1e3));
         return Ok(ShownValue { value, std, how, ..ShownValue::default() });
     }
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let phases = axes.iter().flat_map(|axes| &axes.phases).filter(|phase| phase.sensor == axis);
+    let phases =
+        axes(document).into_iter().flat_map(|axes| &axes.phases).filter(|phase| phase.sensor == axis);
     let fastest = phases.max_by(|a, b| a.drive_hz.total_cmp(&b.drive_hz)).ok_or(
         "no coil was driven with AC; `axes_orientation` with `conditions.drive_hz` up to the limit would show it",
     )?;
@@ -127,12 +119,8 @@ fn one_bandwidth(document: &Document, axis: Axis) -> Result<ShownValue, String> 
     })
 }
 
-fn sensor(document: &Document, axis: Axis) -> Option<&SensorCalibration> {
-    document.calibration.as_ref()?.sensor(axis)
-}
-
 /// u(k)/k, where it is stated.
 fn relative_std(sensor: &SensorCalibration) -> Option<f64> {
-    let k = sensor.sensitivity_nt_per_v.as_ref().or(sensor.sensitivity_nt_per_nt.as_ref())?;
+    let (k, _) = sensitivity(sensor)?;
     k.std().map(|std| std / k.value().abs())
 }

@@ -1,11 +1,10 @@
 use common::covariance::between;
-use common::{Axis, Document, Quantity, TemperatureOfPart};
+use common::{Axis, Document, Quantity, TemperatureFit, TemperatureOfPart};
 use faer::Mat;
 
-use crate::conformity::joint::{Joint, temperature_paths};
+use crate::conformity::joint::{Joint, sensor, temperature_paths};
 use crate::conformity::spec::{Requirement, Temperatures};
 
-/// What may be warm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Sensor,
@@ -15,19 +14,12 @@ pub enum Part {
 impl Part {
     pub const BOTH: [Self; 2] = [Part::Sensor, Part::Electronics];
 
-    /// The temperatures of it that a requirement asks for.
     pub fn required(self, requirement: &Requirement) -> Option<Temperatures> {
-        match self {
-            Part::Sensor => requirement.sensor_temperature_c,
-            Part::Electronics => requirement.electronics_temperature_c,
-        }
+        [requirement.sensor_temperature_c, requirement.electronics_temperature_c][self as usize]
     }
 
     pub fn word(self) -> &'static str {
-        match self {
-            Part::Sensor => "sensor",
-            Part::Electronics => "electronics",
-        }
+        ["sensor", "electronics"][self as usize]
     }
 
     /// The beginnings of the names of its parameters in `temperature.covariance_order`: of the sensitivity,
@@ -44,33 +36,27 @@ impl Part {
 pub struct Range {
     /// Lowest and highest less the temperature at which the constants hold, K.
     pub warmer: [f64; 2],
-    /// What is asked for and not covered.
     pub gap: Option<String>,
 }
 
-/// The range of the temperature run of a part, degC.
-fn run(document: &Document, axis: Axis, part: Part) -> Option<&TemperatureOfPart> {
-    let fit = document.calibration.as_ref()?.sensor(axis)?.temperature.as_ref()?;
-    match part {
-        Part::Sensor => fit.sensor.as_ref(),
-        Part::Electronics => fit.electronics.as_ref(),
-    }
+/// What the temperature run of a sensor shows of a part.
+fn run(fit: &TemperatureFit, part: Part) -> Option<&TemperatureOfPart> {
+    [fit.sensor.as_ref(), fit.electronics.as_ref()][part as usize]
 }
 
 /// The temperatures that are asked for, cut to those of the sensor's temperature run where there is one. What
 /// is missing otherwise, in words.
 pub fn asked(document: &Document, axis: Axis, part: Part, asked: &Requirement) -> Result<Range, String> {
     let word = part.word();
-    let calibration = document.calibration.as_ref();
-    let fit = calibration.and_then(|calibration| calibration.sensor(axis)?.temperature.as_ref());
-    let stated = calibration.and_then(|calibration| calibration.reference_conditions.as_ref());
+    let fit = sensor(document, axis).and_then(|sensor| sensor.temperature.as_deref());
+    let stated = document.calibration.as_ref().and_then(|found| found.reference_conditions.as_ref());
     let stated = stated.map(|stated| [stated.sensor_temperature_c, stated.electronics_temperature_c]);
     let of = |pair: [Option<f64>; 2]| pair[part as usize];
     let reference = fit.and_then(|fit| of(fit.reference_c)).or(stated.and_then(of));
     let reference_c = reference.ok_or_else(|| {
         format!("the document does not say at which temperature of the {word} its constants hold (`calibration.reference_conditions`)")
     })?;
-    let covered = run(document, axis, part).map(|part| part.range_c);
+    let covered = fit.and_then(|fit| run(fit, part)).map(|part| part.range_c);
     let (range_c, gap) = match (part.required(asked), covered) {
         (Some(Temperatures::Range(range)), None) => (range, None),
         (Some(Temperatures::Range([low, high])), Some([coldest, warmest])) => {
@@ -94,31 +80,26 @@ pub fn asked(document: &Document, axis: Axis, part: Part, asked: &Requirement) -
 
 /// What the temperatures do to a sensor's constants, as the document has it.
 pub struct Coefficients {
-    /// Values of the parameters.
     values: Vec<f64>,
     /// Their names, as `offset_temperature.coefficient_nt_per_k`.
     names: Vec<String>,
-    /// Their paths in the document.
     pub paths: Vec<String>,
     covariance: Mat<f64>,
 }
 
 impl Coefficients {
-    /// From the temperature run of a sensor.
     pub fn of(document: &Document, joint: &Joint, axis: Axis) -> Option<Self> {
-        let fit = document.calibration.as_ref()?.sensor(axis)?.temperature.as_ref()?;
+        let fit = sensor(document, axis)?.temperature.as_deref()?;
         let value = |name: &String| {
             let (effect, parameter) = name.split_once('.')?;
-            let (part, of) = Part::BOTH
-                .into_iter()
-                .find_map(|part| Some((part, part.effects().iter().position(|own| *own == effect)?)))?;
-            let found = run(document, axis, part)?;
+            let of =
+                |part: Part| Some((run(fit, part), part.effects().iter().position(|own| *own == effect)?));
+            let (found, of) = Part::BOTH.into_iter().find_map(of)?;
+            let found = found?;
             let slope = [&found.sensitivity_ppm_per_k, &found.offset_nt_per_k][of];
             let curvature = [&found.sensitivity_ppm_per_k2, &found.offset_nt_per_k2][of];
-            match parameter.starts_with("curvature") {
-                true => curvature.as_ref().map(Quantity::value),
-                false => Some(slope.value()),
-            }
+            let is_curved = parameter.starts_with("curvature");
+            if is_curved { curvature.as_ref() } else { Some(slope) }.map(Quantity::value)
         };
         let values: Option<Vec<f64>> = fit.covariance_order.iter().map(value).collect();
         let paths = temperature_paths(axis, fit)?;
@@ -126,7 +107,6 @@ impl Coefficients {
         Some(Self { values: values?, names: fit.covariance_order.clone(), paths, covariance })
     }
 
-    /// Whether what a part's temperature does was found.
     pub fn has(&self, part: Part) -> bool {
         self.effects().any(|effect| part.effects().contains(&effect))
     }

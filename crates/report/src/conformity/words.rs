@@ -32,7 +32,12 @@ pub fn section(document: &Document, spec: &Spec) -> Result<Section, Error> {
             probability => rule.probability(),
         },
     };
-    let sections = template::sections(include_str!("statement.jinja"), context, HashMap::new())?;
+    let sections = template::sections(
+        template::environment(),
+        include_str!("statement.jinja"),
+        context,
+        HashMap::new(),
+    )?;
     let mut section = sections.into_iter().next().unwrap_or_default();
     section.complete();
     let failed = judged.iter().filter(|one| one.verdict == Verdict::Fail);

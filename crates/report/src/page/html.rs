@@ -6,7 +6,7 @@ use minijinja::{Value, context};
 
 use crate::page::plot::{self, Plot};
 use crate::page::words::escape;
-use crate::page::{Cell, Finding, Item, Page, Table, number, template};
+use crate::page::{Cell, Finding, Item, Page, Section, Table, number, template};
 
 /// A table with more rows is folded.
 const FOLDED: usize = 12;
@@ -26,17 +26,6 @@ pub fn render(page: &Page) -> Result<String, common::Error> {
         _ => None,
     });
     let rows = plot::rows_per_entry(plots);
-    let sections = page.sections.iter().map(|section| {
-        let stacked = |item: &Item| if let Item::Plot(plot) = item { Some(plot.stacked) } else { None };
-        let groups = section.items.chunk_by(|a, b| stacked(a).is_some() && stacked(a) == stacked(b));
-        context! {
-            id => section.id,
-            title => section.title,
-            words => section.words,
-            warnings => section.warnings.iter().map(warning).collect::<Vec<_>>(),
-            items => groups.map(|group| items(group, rows)).collect::<Vec<_>>(),
-        }
-    });
     let mut environment = template::html();
     environment.add_filter("prose", |words: String| Value::from_safe_string(prose(&words)));
     let context = context! {
@@ -44,7 +33,7 @@ pub fn render(page: &Page) -> Result<String, common::Error> {
         style => include_str!("style.css"),
         script => concat!(include_str!("drawing.js"), include_str!("script.js")),
         summary => page.summary,
-        sections => sections.collect::<Vec<_>>(),
+        sections => page.sections.iter().map(|part| section(part, rows)).collect::<Vec<_>>(),
     };
     template::rendered(&environment, include_str!("page.html.jinja"), context)
 }
@@ -62,24 +51,43 @@ fn prose(words: &str) -> String {
     parts.iter().enumerate().map(part).collect()
 }
 
-/// Neighbouring plots together, or one item; plots with so many rows in an entry of their data.
+/// A section for a template, with so many rows of a plot in an entry of its data: neighbouring plots together,
+/// neighbouring fields together, and every other item by itself.
+pub fn section(section: &Section, rows: usize) -> Value {
+    let together = |item: &Item| match item {
+        Item::Plot(plot) => Some(plot.stacked),
+        Item::Field(_) => Some(false),
+        _ => None,
+    };
+    let groups = section.items.chunk_by(|a, b| together(a).is_some() && together(a) == together(b));
+    context! {
+        id => section.id,
+        title => section.title,
+        words => section.words,
+        warnings => section.warnings.iter().map(warning).collect::<Vec<_>>(),
+        items => groups.map(|group| items(group, rows)).collect::<Vec<_>>(),
+    }
+}
+
 fn items(group: &[Item], rows: usize) -> Value {
-    match group {
-        [Item::Heading(heading)] => context! { heading },
-        [Item::Words(words)] => context! { words },
-        [Item::Table(one)] => {
-            let rows = (one.rows.len() > FOLDED).then(|| number::counted(one.rows.len(), "row"));
-            context! { table => table(one), rows }
-        }
-        plots => {
-            let stacked = matches!(plots, [Item::Plot(plot), ..] if plot.stacked);
-            let plots = plots.iter().filter_map(|item| match item {
-                Item::Plot(plot) => Some(figure(plot, rows)),
-                _ => None,
-            });
-            context! { stacked, plots => plots.collect::<Vec<_>>() }
+    let (mut plots, mut fields, mut stacked) = (Vec::new(), Vec::new(), false);
+    for item in group {
+        match item {
+            Item::Heading(heading) => return context! { heading },
+            Item::Words(words) => return context! { words },
+            Item::Signature => return context! { signature => true },
+            Item::Table(one) => {
+                let rows = (one.rows.len() > FOLDED).then(|| number::counted(one.rows.len(), "row"));
+                return context! { table => table(one), rows };
+            }
+            Item::Field(field) => fields.push(field),
+            Item::Plot(plot) => {
+                stacked = plot.stacked;
+                plots.push(figure(plot, rows));
+            }
         }
     }
+    context! { stacked, plots, fields }
 }
 
 fn warning(finding: &Finding) -> Value {
@@ -90,9 +98,12 @@ fn warning(finding: &Finding) -> Value {
 fn table(table: &Table) -> Value {
     let cell = |cell: &Cell| {
         let text = cell.to_string();
-        let whole =
-            !matches!(cell, Cell::Text(_) | Cell::Placed(..)) || escape(&text).chars().count() <= SHORT;
-        let link = if let Cell::Placed(_, place) = cell { place.link.as_ref() } else { None };
+        let is_short = || escape(&text).chars().count() <= SHORT;
+        let (whole, link) = match cell {
+            Cell::Placed(_, place) => (is_short(), place.link.as_ref()),
+            Cell::Text(_) => (is_short(), None),
+            _ => (true, None),
+        };
         context! { text, whole, link }
     };
     let row = |row: &Vec<Cell>| row.iter().map(cell).collect::<Vec<_>>();

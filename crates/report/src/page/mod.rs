@@ -15,6 +15,6 @@ pub mod template;
 pub mod text;
 pub mod words;
 
-pub use model::{Effect, Finding, Item, Link, Page, Place, Section, Target};
+pub use model::{Effect, Field, Finding, Item, Link, Page, Place, Section, Target};
 pub use places::{diagnosis, link};
 pub use table::{Cell, Header, Table};

@@ -14,14 +14,12 @@ pub struct Page {
     pub sections: Vec<Section>,
 }
 
-/// What one stage found, or one part of it.
+/// What one stage found, or one part of it; a part of a certificate.
 #[derive(Clone, Debug, Default)]
 pub struct Section {
-    /// For links: lower case letters, digits and hyphens, unique within the page.
+    /// For links: lower case letters, digits and hyphens, unique within the page. Of a certificate, clauses.
     pub id: String,
-    /// Its title.
     pub title: String,
-    /// Sentences at its head.
     pub words: Vec<String>,
     /// What looks wrong; what moves the result most comes first on the page.
     pub warnings: Vec<Finding>,
@@ -32,40 +30,32 @@ pub struct Section {
 /// What looks wrong, with what it does to the result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// A sentence.
     pub words: String,
-    /// What it does to the result.
     pub effect: Effect,
-    /// The interval in which it is.
     pub place: Option<Place>,
 }
 
 /// What words speak of: where the page shows it, they lead there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What they speak of.
     pub of: Target,
     /// The way there; None where nothing shows it.
     pub link: Option<Link>,
 }
 
-/// What words can lead to.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Target {
     /// An interval between two `time_s`: of the recording, of the earliest of several.
     Interval(Vec<String>, [f64; 2]),
     /// An effect that can be switched off in a plot, by the number of its diagnosis and its name.
     Effect(usize, String),
-    /// A section, by its id.
     Section(String),
 }
 
-/// A link of the page.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Link {
     /// Id of the words, by which plots lead back to them.
     pub id: Option<String>,
-    /// Id of what it leads to.
     pub to: String,
     /// The plots that show an interval, and its ends as moments.
     pub shown: Option<(String, [f64; 2])>,
@@ -85,7 +75,6 @@ pub enum Effect {
 }
 
 impl Place {
-    /// An interval of a recording.
     pub fn new(recording: impl Into<String>, time_s: [f64; 2]) -> Self {
         Target::Interval(vec![recording.into()], time_s).into()
     }
@@ -124,7 +113,7 @@ impl Effect {
 
     /// Its place: fields, and turns by what they do in 50 000 nT, by their size; then standard uncertainties;
     /// then what has no number.
-    pub fn rank(self) -> (u8, f64) {
+    fn rank(self) -> (u8, f64) {
         match self {
             Self::Nt(size) => (2, size),
             Self::Arcsec(angle) => (2, angle * Self::NT_PER_ARCSEC),
@@ -135,7 +124,6 @@ impl Effect {
 }
 
 impl Finding {
-    /// A finding with its effect.
     pub fn of(words: impl Into<String>, effect: Effect) -> Self {
         Self { words: words.into(), effect, place: None }
     }
@@ -166,10 +154,30 @@ pub enum Item {
     Table(Table),
     /// A plot.
     Plot(Box<Plot>),
+    /// A field of a certificate.
+    Field(Field),
+    /// A line for a signature on a certificate.
+    Signature,
+}
+
+/// A field with the clause of the standard that asks for it.
+#[derive(Clone, Debug, Serialize)]
+pub struct Field {
+    pub label: String,
+    pub clause: String,
+    /// What stands in it, a line each; none: a blank line with the clause.
+    pub lines: Vec<String>,
+}
+
+impl Field {
+    /// With a text whose line breaks part its lines.
+    pub fn new(label: String, clause: String, text: &str) -> Self {
+        let lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+        Self { label, clause, lines: lines.map(String::from).collect() }
+    }
 }
 
 impl Section {
-    /// A section without content as yet.
     pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self { id: id.into(), title: title.into(), ..Self::default() }
     }
@@ -185,10 +193,5 @@ impl Section {
             _ => true,
         });
         !self.items.is_empty()
-    }
-
-    /// Whether it has nothing to show.
-    pub fn is_empty(&self) -> bool {
-        self.items.is_empty() && self.words.is_empty() && self.warnings.is_empty()
     }
 }

@@ -4,7 +4,6 @@ use crate::page::number;
 use crate::page::plot::{Interval, Plot, Timeline};
 use crate::page::{Cell, Item, Link, Place, Section, Target};
 
-/// A plot along time.
 struct Shown {
     time: Timeline,
     /// Its ends as moments, s.
@@ -21,7 +20,6 @@ impl Shown {
     }
 }
 
-/// The links of a page, as they are made.
 #[derive(Default)]
 struct Links {
     shown: Vec<Shown>,
@@ -156,22 +154,28 @@ mod tests {
     use crate::page::Table;
     use crate::page::plot::{Series, Toggle};
 
+    /// A plot of a day of a recording, in hours.
+    fn plot(id: &str, recording: &str, epoch_s: Option<f64>) -> Item {
+        let time = Timeline { recording: recording.into(), group: recording.into(), unit_s: 3600.0, epoch_s };
+        let plot = Plot { time: Some(time), ..Plot::new(id, id) };
+        Item::Plot(Box::new(plot.with(Series::points("field", 0, &[0.0, 24.0], &[0.0; 2]))))
+    }
+
     #[test]
     fn words_lead_to_a_plot_of_their_recording_alone() {
         let mut section = Section::new("s", "S");
         let mut table = Table::new("Gaps", "gap");
-        for recording in ["night", "day"] {
-            table.rows.push(vec![Cell::Placed("a gap".into(), Place::new(recording, [7200.0, 10_800.0]))]);
+        let gap = |recording: &str| Target::Interval(vec![recording.into()], [7200.0, 10_800.0]);
+        for target in
+            [gap("night"), gap("day"), Target::Effect(1, "a lag".into()), Target::Section("s".into())]
+        {
+            table.rows.push(vec![Cell::Placed("a gap".into(), target.into())]);
         }
-        for target in [Target::Effect(1, "a lag".into()), Target::Section("s".into())] {
-            table.rows.push(vec![Cell::Placed("words".into(), target.into())]);
-        }
-        let time = Timeline { recording: "day".into(), group: "day".into(), unit_s: 3600.0, epoch_s: None };
         let toggle = |name: &str| Toggle { name: name.into(), ..Toggle::default() };
         let toggles = vec![toggle("a step"), toggle("a lag")];
-        let plot = Plot { time: Some(time), toggles, ..Plot::new("residual-1-1", "P") };
-        let plot = plot.with(Series::points("field", 0, &[0.0, 24.0], &[0.0; 2]));
-        section.items.extend([Item::Table(table), Item::Plot(Box::new(plot))]);
+        section.items.push(Item::Table(table));
+        let Item::Plot(plot) = plot("residual-1-1", "day", None) else { panic!("a plot") };
+        section.items.push(Item::Plot(Box::new(Plot { toggles, ..*plot })));
         let mut sections = [section];
         link(&mut sections, |recordings| recordings.first().cloned());
         let [Item::Table(table), Item::Plot(plot)] = sections[0].items.as_slice() else {
@@ -192,27 +196,13 @@ mod tests {
 
     #[test]
     fn plots_of_recordings_that_overlap_move_together() {
-        let plot = |recording: &str, epoch_s: Option<f64>| {
-            let time =
-                Timeline { recording: recording.into(), group: recording.into(), unit_s: 3600.0, epoch_s };
-            let plot = Plot { time: Some(time), ..Plot::new(recording, recording) };
-            Item::Plot(Box::new(plot.with(Series::points("field", 0, &[0.0, 24.0], &[0.0; 2]))))
-        };
-        let day_s = 86_400.0;
-        let mut sections = [Section {
-            items: vec![
-                plot("first", Some(9.0 * day_s)),
-                plot("late", Some(9.5 * day_s)),
-                plot("next", Some(10.6 * day_s)),
-                plot("far", Some(12.0 * day_s)),
-                plot("bridge", Some(11.3 * day_s)),
-                plot("undated", None),
-            ],
-            ..Section::default()
-        }];
+        let days = [("first", 9.0), ("late", 9.5), ("next", 10.6), ("far", 12.0), ("bridge", 11.3)];
+        let dated = days.map(|(recording, day)| plot(recording, recording, Some(86_400.0 * day)));
+        let items = dated.into_iter().chain([plot("undated", "undated", None)]).collect();
+        let mut sections = [Section { items, ..Section::default() }];
         link(&mut sections, |_| None);
         let group = |item: &mut Item| drawn(item).and_then(|plot| Some(plot.time.as_ref()?.group.clone()));
-        let groups: Vec<_> = items(&mut sections).filter_map(group).collect();
+        let groups: Vec<_> = super::items(&mut sections).filter_map(group).collect();
         assert_eq!(groups, ["first", "first", "next", "next", "next", "undated"]);
     }
 }

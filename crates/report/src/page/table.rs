@@ -9,34 +9,26 @@ use crate::page::number::{bare, figures, probability, uncertain};
 /// A table; every row has as many cells as there are headers.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// What it holds.
     pub caption: String,
-    /// The columns' names.
     pub headers: Vec<Header>,
-    /// The rows.
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// Name of a column.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Header {
-    /// What stands in it.
     pub name: String,
     /// Its unit; empty where it has none.
     pub unit: String,
 }
 
-/// One cell of a table.
 #[derive(Clone, Debug, Default)]
 pub enum Cell {
     /// Nothing is known here.
     #[default]
     Empty,
-    /// Words.
     Text(String),
     /// Words that lead somewhere.
     Placed(String, Place),
-    /// A count.
     Count(usize),
     /// A number without an uncertainty, to six figures.
     Number(f64),
@@ -44,12 +36,9 @@ pub enum Cell {
     Figures(f64, usize),
     /// A value with its standard uncertainty.
     Uncertain {
-        /// The value.
         value: f64,
-        /// Its standard uncertainty.
         std: f64,
     },
-    /// A probability.
     Probability(f64),
 }
 
@@ -60,7 +49,6 @@ impl Table {
         Self { caption: caption.into(), headers, rows: Vec::new() }
     }
 
-    /// Leaves out the columns that are empty throughout.
     pub fn leave_out_empty_columns(&mut self) {
         let filled = |column: usize| self.rows.iter().any(|row| !matches!(row[column], Cell::Empty));
         let kept: Vec<bool> = (0..self.headers.len()).map(filled).collect();

@@ -12,53 +12,44 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::page::plot::{Dimension, Mark, Plot, Series};
-use crate::page::{Cell, Header, Item, Section, Table, Target, number, words};
+use crate::page::{Cell, Field, Header, Item, Section, Table, Target, number, words};
 
-/// What a template calls to add to the page.
-const FUNCTIONS: [&str; 12] = [
-    "section", "words", "say", "heading", "table", "row", "plots", "plot", "note", "points", "line", "dashes",
+const FUNCTIONS: [&str; 15] = [
+    "section",
+    "words",
+    "say",
+    "heading",
+    "table",
+    "row",
+    "plots",
+    "plot",
+    "note",
+    "points",
+    "line",
+    "dashes",
+    "field",
+    "signature",
+    "blank_without_results",
 ];
 
 /// The sections of a template in their order, as yet with what turned out to be empty; plots are added by
-/// their names.
-///
-/// # Errors
-///
-/// Where the template is wrong.
+/// their names. An error where the template is wrong.
 pub fn sections(
+    mut environment: Environment<'static>,
     template: &str,
     context: Value,
     plots: HashMap<String, Vec<Plot>>,
 ) -> Result<Vec<Section>, common::Error> {
-    let builder = Builder { plots, ..Builder::default() };
-    Ok(filled(environment(), template, context, builder, (&FUNCTIONS, Builder::add))?.sections)
-}
-
-/// How one of the functions of a template adds to what is made.
-pub type Add<T> = fn(&mut T, &str, &[Value]) -> Result<(), Error>;
-
-/// What is made when a template has called its functions.
-///
-/// # Errors
-///
-/// Where the template is wrong.
-pub fn filled<T: Default + Send + 'static>(
-    mut environment: Environment<'static>,
-    template: &str,
-    context: Value,
-    made: T,
-    (functions, add): (&'static [&'static str], Add<T>),
-) -> Result<T, common::Error> {
-    let made = Arc::new(Mutex::new(made));
-    for name in functions {
-        let made = Arc::clone(&made);
-        environment.add_function(*name, move |arguments: Rest<Value>| {
-            add(&mut made.lock().unwrap_or_else(PoisonError::into_inner), name, &arguments)
+    let builder = Arc::new(Mutex::new(Builder { sections: Vec::new(), plots }));
+    for name in FUNCTIONS {
+        let builder = Arc::clone(&builder);
+        environment.add_function(name, move |arguments: Rest<Value>| {
+            builder.lock().unwrap_or_else(PoisonError::into_inner).add(name, &arguments)
         });
     }
     rendered(&environment, template, context)?;
-    let mut made = made.lock().unwrap_or_else(PoisonError::into_inner);
-    Ok(std::mem::take(&mut made))
+    let mut builder = builder.lock().unwrap_or_else(PoisonError::into_inner);
+    Ok(std::mem::take(&mut builder.sections))
 }
 
 /// What templates of HTML know: text is escaped, and lines that hold a block alone leave nothing behind.
@@ -75,11 +66,7 @@ pub fn html() -> Environment<'static> {
     environment
 }
 
-/// The text of a template.
-///
-/// # Errors
-///
-/// Where the template is wrong.
+/// The text of a template; an error where it is wrong.
 pub fn rendered(
     environment: &Environment<'_>,
     template: &str,
@@ -94,7 +81,6 @@ pub fn part<T: Serialize>(part: &Option<T>) -> Value {
     part.as_ref().map_or(Value::UNDEFINED, Value::from_serialize)
 }
 
-#[derive(Default)]
 struct Builder {
     sections: Vec<Section>,
     plots: HashMap<String, Vec<Plot>>,
@@ -102,54 +88,62 @@ struct Builder {
 
 impl Builder {
     fn add(&mut self, name: &str, arguments: &[Value]) -> Result<(), Error> {
-        if name == "section" {
-            let (id, title): (String, String) = from_args(arguments)?;
-            self.sections.push(Section::new(id, title));
+        if let ("section", [id, title]) = (name, arguments) {
+            self.sections.push(Section::new(id.to_string(), title.to_string()));
             return Ok(());
         }
-        let section = self.sections.last_mut().ok_or_else(|| misplaced(name, "section"))?;
-        match (name, arguments) {
-            ("row", cells) => match section.items.last_mut() {
-                Some(Item::Table(table)) => add_row(table, cells)?,
-                _ => return Err(misplaced(name, "table")),
-            },
-            ("plots", [name]) => {
+        let misplaced =
+            || Error::new(ErrorKind::InvalidOperation, format!("`{name}` is misplaced or incomplete"));
+        let section = self.sections.last_mut().ok_or_else(misplaced)?;
+        let items = &mut section.items;
+        match (name, arguments, items.last_mut()) {
+            ("row", cells, Some(Item::Table(table))) => add_row(table, cells)?,
+            ("note", [note], Some(Item::Plot(plot))) => plot.note = note.to_string(),
+            ("points" | "line" | "dashes", _, Some(Item::Plot(plot))) => plot.push(series(name, arguments)?),
+            ("plots", [name], _) => {
                 let plots = self.plots.remove(&name.to_string()).unwrap_or_default();
-                section.items.extend(plots.into_iter().map(Box::new).map(Item::Plot));
+                items.extend(plots.into_iter().map(Box::new).map(Item::Plot));
             }
-            ("plot", _) => {
-                let (id, title, x, y, log): (String, String, String, String, Option<String>) =
-                    from_args(arguments)?;
-                let log = log.unwrap_or_default();
-                let [x, y] = [(&x, 'x'), (&y, 'y')].map(|(label, axis)| Dimension {
+            ("plot", [id, title, x, y, log @ ..], _) => {
+                let log = log.first().map(Value::to_string).unwrap_or_default();
+                let [x, y] = [(x, 'x'), (y, 'y')].map(|(label, axis)| Dimension {
                     log: log.contains(axis),
-                    ..Dimension::from(label.as_str())
+                    ..Dimension::from(label.to_string().as_str())
                 });
-                section.items.push(Item::Plot(Box::new(Plot::new(id, title).axes(x, y))));
+                items.push(Item::Plot(Box::new(Plot::new(id.to_string(), title.to_string()).axes(x, y))));
             }
-            ("note" | "points" | "line" | "dashes", arguments) => match section.items.last_mut() {
-                Some(Item::Plot(plot)) => draw(plot, name, arguments)?,
-                _ => return Err(misplaced(name, "plot")),
-            },
-            ("table", [caption]) => section.items.push(Item::Table(Table::new(caption.to_string(), ""))),
-            ("table", [caption, headers]) => {
-                section.items.push(Item::Table(Table::new(caption.to_string(), &headers.to_string())));
+            ("table", [caption, headers @ ..], _) => {
+                let headers = headers.first().map(Value::to_string).unwrap_or_default();
+                items.push(Item::Table(Table::new(caption.to_string(), &headers)));
             }
-            ("words", [words]) => section.words.push(words.to_string()),
-            ("say", [words]) => section.items.push(Item::Words(words.to_string())),
-            ("heading", [words]) => section.items.push(Item::Heading(words.to_string())),
-            _ => return Err(Error::from(ErrorKind::MissingArgument)),
+            ("words", [words], _) => section.words.push(words.to_string()),
+            ("say", [words], _) => items.push(Item::Words(words.to_string())),
+            ("heading", [words], _) => items.push(Item::Heading(words.to_string())),
+            ("field", [label, clause, text], _) => {
+                let text_of_it =
+                    if text.kind() == ValueKind::String { text.to_string() } else { String::new() };
+                let mut field = Field::new(label.to_string(), clause.to_string(), &text_of_it);
+                if text.kind() == ValueKind::Seq {
+                    field.lines = text.try_iter()?.map(|line| line.to_string()).collect();
+                }
+                items.push(Item::Field(field));
+            }
+            ("signature", [], _) => items.push(Item::Signature),
+            // Beside what is said first.
+            ("blank_without_results", [], _) => {
+                section.complete();
+                if section.items.len() == 1 {
+                    section.items.push(Item::Field(Field::new("Results".into(), "7.8.2.1 m".into(), "")));
+                }
+            }
+            _ => return Err(misplaced()),
         }
         Ok(())
     }
 }
 
-/// Adds a note, or a series: its name, style, x and y, then standard uncertainties or two limits.
-fn draw(plot: &mut Plot, name: &str, arguments: &[Value]) -> Result<(), Error> {
-    if let ("note", [note]) = (name, arguments) {
-        plot.note = note.to_string();
-        return Ok(());
-    }
+/// A series: its name, style, x and y, then standard uncertainties or two limits.
+fn series(name: &str, arguments: &[Value]) -> Result<Series, Error> {
     type Numbers = Option<Vec<f64>>;
     let mark = match name {
         "points" => Mark::Points,
@@ -158,20 +152,15 @@ fn draw(plot: &mut Plot, name: &str, arguments: &[Value]) -> Result<(), Error> {
     };
     let (title, style, x, y, bars): (String, usize, Numbers, Numbers, Rest<Numbers>) = from_args(arguments)?;
     let series = Series::new(title, mark, style, &x.unwrap_or_default(), &y.unwrap_or_default());
-    plot.push(match bars.as_slice() {
+    Ok(match bars.as_slice() {
         [Some(low), Some(high)] => series.between(low, high),
         [Some(std)] => series.with_std(std),
         _ => series,
-    });
-    Ok(())
-}
-
-fn misplaced(name: &str, before: &str) -> Error {
-    Error::new(ErrorKind::InvalidOperation, format!("`{name}` before any `{before}`"))
+    })
 }
 
 /// Adds the cells of a row, alone or as a map from their headers.
-pub fn add_row(table: &mut Table, cells: &[Value]) -> Result<(), Error> {
+fn add_row(table: &mut Table, cells: &[Value]) -> Result<(), Error> {
     match cells {
         [row] if row.kind() == ValueKind::Map => {
             let headers: Vec<Value> = row.try_iter()?.collect();
@@ -225,7 +214,6 @@ impl Object for Cell {
     }
 }
 
-/// What templates know.
 pub fn environment() -> Environment<'static> {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Chainable);

@@ -20,6 +20,7 @@ pub fn render(page: &Page) -> String {
                 Item::Heading(words) | Item::Words(words) => line(&mut out, "\n", words),
                 Item::Table(table) => self::table(&mut out, table),
                 Item::Plot(plot) => self::plot(&mut out, plot),
+                Item::Field(_) | Item::Signature => {}
             }
         }
     }

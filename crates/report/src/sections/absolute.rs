@@ -14,7 +14,6 @@ use crate::plot::{Dimension, Mark, Plot, Point, Series, Timeline};
 /// Of a normal distribution, where no other factor is stated.
 const FACTOR_95: f64 = 1.96;
 
-/// What `absolute` found.
 pub fn found(document: &Document) -> Option<&AbsoluteCalibration> {
     document.calibration.as_ref()?.absolute.as_deref()
 }
@@ -29,7 +28,6 @@ pub fn origin(document: &Document, found: &AbsoluteCalibration) -> Option<(Strin
     earliest(document, &ids).and_then(dated).or_else(|| found.sets.first().and_then(first))
 }
 
-/// The Unix time of a moment, s.
 pub fn unix_s(moment: &str) -> Option<f64> {
     Start::parse(moment).map(|start| start.unix_s)
 }
@@ -43,12 +41,8 @@ pub fn plots(plots: &mut Plots, document: &Document) {
     let nodes: Vec<f64> = found.adopted.iter().flat_map(|adopted| nodes(adopted, epoch_s)).collect();
     let clock = Clock::of(&[times.clone(), nodes.clone()].concat());
     let (times, nodes) = (clock.times(&times), clock.times(&nodes));
-    let time = Timeline {
-        recording: recording.clone(),
-        group: recording,
-        unit_s: clock.seconds,
-        epoch_s: Some(epoch_s),
-    };
+    let group = recording.clone();
+    let time = Timeline { recording, group, unit_s: clock.seconds, epoch_s: Some(epoch_s) };
     let plot = |id: String, title: String, y: Dimension| {
         let plot = Plot::new(id, title).axes(Dimension::linear("time", clock.unit), y);
         Plot { time: Some(time.clone()), ..plot }
@@ -103,7 +97,6 @@ fn axis(name: &str, adopted: &AdoptedBaseline) -> (Dimension, impl Fn(f64) -> f6
     (axis, move |value| factor * (value - from))
 }
 
-/// Points with their 95 % intervals.
 fn measured<'a>(
     name: &str,
     style: usize,

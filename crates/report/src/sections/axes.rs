@@ -22,26 +22,28 @@ pub fn plots(plots: &mut Plots, calibration: &Calibration) {
 
 /// Residuals of the readings, and the same without outliers where there are some.
 fn residuals(id: &str, axes: &AxesCalibration, readings: &AxesReadings) -> Vec<Plot> {
-    let doubtful = |row: usize| {
+    let is_doubtful = |row: usize| {
         axes.doubtful.iter().any(|one| {
             readings.sensor.get(row) == Some(&one.sensor)
                 && readings.row.get(row) == Some(&one.row)
                 && readings.recording.get(row) == Some(&one.recording)
         })
     };
-    let draw = |end: &str, title: &str, shown: &dyn Fn(usize) -> bool| {
-        let mut plot =
+    let draw = |(end, title, doubtful): (&str, &str, bool)| {
+        let plot =
             Plot::new(format!("{id}-residuals{end}"), title).axes("reading", "reading less prediction [nT]");
-        for axis in Axis::ALL {
-            let of = |row: &usize| readings.sensor.get(*row) == Some(&axis) && shown(*row);
+        Axis::ALL.into_iter().fold(plot, |plot, axis| {
+            let of =
+                |row: &usize| readings.sensor.get(*row) == Some(&axis) && (doubtful || !is_doubtful(*row));
             let rows = (0..readings.residual_nt.len()).filter(of);
             let (x, y): (Vec<f64>, Vec<f64>) =
                 rows.map(|row| ((row + 1) as f64, readings.residual_nt[row])).unzip();
-            plot.push(Series::points(format!("sensor {axis}"), axis.index(), &x, &y));
-        }
-        plot
+            plot.with(Series::points(format!("sensor {axis}"), axis.index(), &x, &y))
+        })
     };
-    let all = draw("", "Residuals of the readings, orientation by orientation", &|_| true);
-    let left = || draw("-left", "The same without the outliers", &|row| !doubtful(row));
-    [all].into_iter().chain((!axes.doubtful.is_empty()).then(left)).collect()
+    let both = [
+        ("", "Residuals of the readings, orientation by orientation", true),
+        ("-left", "The same without the outliers", false),
+    ];
+    both.into_iter().filter(|(.., doubtful)| *doubtful || !axes.doubtful.is_empty()).map(draw).collect()
 }

@@ -1,6 +1,7 @@
 //! Directions as small maps of the sphere around the nominal axes.
 
-use common::{AxesDirections, Axis, Matrix3x3};
+use common::{AxesDirections, Axis};
+use nalgebra::{Matrix2, Matrix3, Matrix3x2, Vector3};
 
 use crate::plot::{Mark, Plot, Point, Series};
 
@@ -14,16 +15,20 @@ const LEVEL: f64 = 0.95;
 /// e_i the point is θ (v·e_j, v·e_k)/sin θ, with i, j, k in cyclic order. The second has the covariance of v
 /// taken to the tangent plane at v.
 pub fn maps(id: &str, of: &str, directions: &AxesDirections) -> Vec<Plot> {
-    let note = "Across and up: the two other axes in cyclic order, for x towards y and z, for y towards z and x, for z towards x and y.";
-    let map = |end: &str, title: String| {
-        Plot::new(format!("{id}-{end}"), title)
-            .axes("towards the next axis [arcsec]", "towards the axis after it [arcsec]")
-            .map()
+    let map = |end: &str, title: String, note: &str| {
+        let plot = Plot::new(format!("{id}-{end}"), title).note(note);
+        let plot = plot.axes("towards the next axis [arcsec]", "towards the axis after it [arcsec]");
+        Plot { map: true, ..plot }
     };
-    let mut nominal = map("map", format!("Directions of the {of} about their nominal axes"))
-        .note(note)
-        .with(Series::points("nominal", 4, &[0.0], &[0.0]));
-    let mut regions = map("ellipses", format!("95 % regions of these directions of the {of}")).note(
+    let mut nominal = map(
+        "map",
+        format!("Directions of the {of} about their nominal axes"),
+        "Across and up: the two other axes in cyclic order, for x towards y and z, for y towards z and x, for z towards x and y.",
+    );
+    nominal.push(Series::points("nominal", 4, &[0.0], &[0.0]));
+    let mut regions = map(
+        "ellipses",
+        format!("95 % regions of these directions of the {of}"),
         "Each about its own direction. From the covariance of the direction, χ² with two degrees of freedom.",
     );
     for axis in Axis::ALL {
@@ -42,13 +47,13 @@ pub fn maps(id: &str, of: &str, directions: &AxesDirections) -> Vec<Plot> {
 
 /// The region about zero of two quantities with this covariance: pᵀ C⁻¹ p = −2 ln(1 − level), the χ² of two
 /// degrees of freedom.
-fn ellipse(covariance: Matrix2x2) -> Vec<Point> {
+fn ellipse(covariance: Matrix2<f64>) -> Vec<Point> {
     const POINTS: usize = 72;
     let radius = (-2.0 * (1.0 - LEVEL).ln()).sqrt();
     // Cholesky factor of the covariance; rounding may leave a variance a little below zero.
-    let a = covariance[0][0].max(0.0).sqrt();
-    let b = if a > 0.0 { covariance[1][0] / a } else { 0.0 };
-    let c = (covariance[1][1] - b * b).max(0.0).sqrt();
+    let a = covariance[(0, 0)].max(0.0).sqrt();
+    let b = if a > 0.0 { covariance[(1, 0)] / a } else { 0.0 };
+    let c = (covariance[(1, 1)] - b * b).max(0.0).sqrt();
     let point = |n: usize| {
         let (sin, cos) = (n as f64 / POINTS as f64 * std::f64::consts::TAU).sin_cos();
         Point { x: radius * a * cos, y: radius * (b * cos + c * sin), bar: None }
@@ -64,36 +69,17 @@ fn from_nominal(axis: Axis, v: [f64; 3]) -> [f64; 2] {
 }
 
 /// Covariance of a direction in the tangent plane at it, arcsec²; None where none is stated.
-fn tangential(directions: &AxesDirections, axis: Axis, v: [f64; 3]) -> Option<Matrix2x2> {
+fn tangential(directions: &AxesDirections, axis: Axis, v: [f64; 3]) -> Option<Matrix2<f64>> {
     let (covariance, order) = (directions.covariance.as_ref()?, directions.covariance_order.as_ref()?);
     let place = |row: usize| order.iter().position(|key| *key == format!("matrix[{row}][{}]", axis.index()));
     let places = [place(0)?, place(1)?, place(2)?];
-    let mut block: Matrix3x3 = [[0.0; 3]; 3];
-    for (row, from) in places.iter().enumerate() {
-        for (column, to) in places.iter().enumerate() {
-            block[row][column] = *covariance.get(*from)?.get(*to)?;
-        }
-    }
-    let mut next = [0.0; 3];
-    next[(axis.index() + 1) % 3] = 1.0;
-    let along = dot(next, v);
-    let first = [0, 1, 2].map(|i| next[i] - along * v[i]);
-    let length = dot(first, first).sqrt();
-    let first = first.map(|component| component / length);
-    let second = [0, 1, 2].map(|i| {
-        let [j, k] = [(i + 1) % 3, (i + 2) % 3];
-        v[j] * first[k] - v[k] * first[j]
-    });
-    let between = |a: [f64; 3], b: [f64; 3]| ARCSEC_PER_RAD.powi(2) * dot(a, block.map(|row| dot(row, b)));
-    let across = between(first, second);
-    let both = [[between(first, first), across], [across, between(second, second)]];
-    both.iter().flatten().all(|number| number.is_finite()).then_some(both)
-}
-
-type Matrix2x2 = [[f64; 2]; 2];
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    let entry = |i: usize, j: usize| covariance.get(places[i])?.get(places[j]).copied();
+    let block = Matrix3::from_fn(|i, j| entry(i, j).unwrap_or(f64::NAN));
+    let (v, next) = (Vector3::from(v), Vector3::ith((axis.index() + 1) % 3, 1.0));
+    let first = (next - v * next.dot(&v)).normalize();
+    let tangents = Matrix3x2::from_columns(&[first, v.cross(&first)]);
+    let both = tangents.transpose() * block * tangents * ARCSEC_PER_RAD.powi(2);
+    both.iter().all(|entry| entry.is_finite()).then_some(both)
 }
 
 #[cfg(test)]
@@ -104,36 +90,30 @@ mod tests {
     fn a_direction_keeps_its_angle_and_its_side() {
         // z turned 3 degrees towards x and 4 towards y, nearly.
         let angle = 5f64.to_radians();
-        let v = [0.6 * angle.sin(), 0.8 * angle.sin(), angle.cos()];
-        let [x, y] = from_nominal(Axis::Z, v);
+        let [x, y] = from_nominal(Axis::Z, [0.6 * angle.sin(), 0.8 * angle.sin(), angle.cos()]);
         assert!((x - 3.0 * 3600.0).abs() < 1e-6 && (y - 4.0 * 3600.0).abs() < 1e-6, "{x} {y}");
         // x turned towards z alone goes up.
         let [across, up] = from_nominal(Axis::X, [angle.cos(), 0.0, angle.sin()]);
         assert!(across.abs() < 1e-9 && (up - 5.0 * 3600.0).abs() < 1e-6);
     }
 
+    /// Direction y: its cosines towards z (row 2) and x (row 0), in rad². Every point of the ellipse has the same
+    /// Mahalanobis distance, 5.991, the 95 % point of χ² with two degrees of freedom.
     #[test]
     fn the_covariance_of_a_nominal_direction_is_its_own_block() {
         let mut covariance = vec![vec![0.0; 9]; 9];
-        // Direction y: its cosines towards z (row 2) and x (row 0), in rad².
         (covariance[5][5], covariance[3][3], covariance[5][3], covariance[3][5]) =
-            (4e-12, 1e-12, 5e-13, 5e-13);
+            (4e-12, 1e-12, 1.5e-12, 1.5e-12);
         let directions = AxesDirections {
             covariance: Some(covariance),
             covariance_order: Some((0..9).map(|k| format!("matrix[{}][{}]", k % 3, k / 3)).collect()),
             ..AxesDirections::default()
         };
         let found = tangential(&directions, Axis::Y, [0.0, 1.0, 0.0]).expect("a covariance");
-        let expected = [4e-12, 5e-13, 5e-13, 1e-12].map(|entry| entry * ARCSEC_PER_RAD * ARCSEC_PER_RAD);
-        assert!(found.iter().flatten().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
-    }
-
-    #[test]
-    fn every_point_of_an_ellipse_has_the_same_mahalanobis_distance() {
-        let [p, q, r] = [4.0, 1.5, 1.0];
-        for Point { x, y, .. } in ellipse([[p, q], [q, r]]) {
+        let [p, q, r] = [4e-12, 1.5e-12, 1e-12].map(|entry| entry * ARCSEC_PER_RAD * ARCSEC_PER_RAD);
+        assert!((found - Matrix2::new(p, q, q, r)).amax() < 1e-9, "{found}");
+        for Point { x, y, .. } in ellipse(found) {
             let squared = (r * x * x - 2.0 * q * x * y + p * y * y) / (p * r - q * q);
-            // 5.991 is the 95 % point of χ² with two degrees of freedom.
             assert!((squared - 5.991_464_547).abs() < 1e-6, "{squared}");
         }
     }

@@ -33,8 +33,9 @@ fn loops(axis: Axis, fit: &TemperatureFit) -> Vec<Plot> {
             "sensor" => (fit.sensor.as_ref(), fit.reference_c[0]),
             _ => (fit.electronics.as_ref(), fit.reference_c[1]),
         };
-        let curve = |slope: fn(&TemperatureOfPart) -> [Option<f64>; 2]| -> Vec<f64> {
-            let [linear, square] = part.map_or([None; 2], slope);
+        let curve = |slope: fn(&TemperatureOfPart) -> [Option<&Quantity>; 2]| -> Vec<f64> {
+            let [linear, square] =
+                part.map_or([None; 2], |part| slope(part).map(|one| one.map(Quantity::value)));
             let change = |t: &f64| {
                 let warmer = t - reference?;
                 Some(linear? * warmer + square.unwrap_or(0.0) * warmer * warmer)
@@ -42,15 +43,14 @@ fn loops(axis: Axis, fit: &TemperatureFit) -> Vec<Plot> {
             temperature.iter().map(|t| change(t).unwrap_or(f64::NAN)).collect()
         };
         let k0 = levels.sensitivity[*first];
-        let ppm =
-            |values: Vec<f64>| -> Vec<f64> { values.into_iter().map(|value| 1e6 * value / k0).collect() };
+        let ppm = |values: Vec<f64>| -> Vec<f64> { values.iter().map(|value| 1e6 * value / k0).collect() };
         let k = of(&levels.sensitivity);
-        let x = curve(|part| [Some(part.sensitivity_ppm_per_k.value()), value(&part.sensitivity_ppm_per_k2)]);
+        let x = curve(|part| [Some(&part.sensitivity_ppm_per_k), part.sensitivity_ppm_per_k2.as_ref()]);
         let changed = k.iter().map(|k| k - k0).collect();
         let left = k.iter().zip(x).map(|(k, x)| k * (1.0 + 1e-6 * x) - k0).collect();
         let k_std = ppm(of(&levels.sensitivity_std));
         let offset = of(&levels.offset_nt);
-        let y = curve(|part| [Some(part.offset_nt_per_k.value()), value(&part.offset_nt_per_k2)]);
+        let y = curve(|part| [Some(&part.offset_nt_per_k), part.offset_nt_per_k2.as_ref()]);
         let offset_left: Vec<f64> = offset.iter().zip(y).map(|(offset, y)| offset + y).collect();
         let offset_std = of(&levels.offset_std_nt);
         for (id, title, label, y, std) in [
@@ -67,10 +67,6 @@ fn loops(axis: Axis, fit: &TemperatureFit) -> Vec<Plot> {
         }
     }
     plots
-}
-
-fn value(quantity: &Option<Quantity>) -> Option<f64> {
-    quantity.as_ref().map(Quantity::value)
 }
 
 /// The thermometer that moved more, with its column.

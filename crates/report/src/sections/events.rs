@@ -14,7 +14,6 @@ use crate::number;
 /// Told from so many of its standard uncertainties on, beside the recording's own spectrum: natural variations
 /// are not normally distributed.
 const STRIKING: f64 = 10.0;
-/// Rows of a segment of that spectrum.
 const SEGMENT: usize = 512;
 /// An interval of more usual ones is a gap.
 const GAP: f64 = 1.5;
@@ -25,7 +24,6 @@ const ECHO: f64 = 0.3;
 /// So many of a kind are listed, the largest.
 const MOST: usize = 12;
 
-/// What stands out at a row.
 struct Event {
     shape: Shape,
     row: usize,
@@ -44,7 +42,6 @@ fn gaps(time: &[f64]) -> Option<(f64, Vec<usize>)> {
     Some((usual_s, after.collect()))
 }
 
-/// The rows between gaps.
 pub fn segments(recording: &Recording) -> Vec<Range<usize>> {
     let gaps = recording.column("time_s").and_then(gaps).map(|(_, gaps)| gaps).unwrap_or_default();
     between(&gaps, recording.rows())

@@ -1,5 +1,6 @@
 //! What looks wrong, section by section, each finding with what it does to the result by numbers that the
-//! document holds: the modules below have a function of its code for each part of a document.
+//! document holds: the modules below have a function of its code for each part of a document. None: the document does
+//! not hold what would tell.
 
 mod absolute;
 mod axes;
@@ -14,10 +15,16 @@ use super::recordings;
 use crate::{Effect, Finding, number};
 
 /// Findings about a part of a document, each led by whose it is.
-fn findings<T>(whose: &str, said: &Findings, part: &T, effect: fn(&T, Code, &str) -> Effect) -> Vec<Finding> {
+fn findings<T>(
+    whose: &str,
+    said: &Findings,
+    part: &T,
+    effect: fn(&T, Code, &str) -> Option<Effect>,
+) -> Vec<Finding> {
     let lead = if whose.is_empty() { String::new() } else { format!("{whose}: ") };
     let all = said.coded().map(|(words, code, about)| {
-        Finding::of(format!("{lead}{words}"), code.map_or(Effect::NOT_HELD, |code| effect(part, code, about)))
+        let effect = code.and_then(|code| effect(part, code, about));
+        Finding::of(format!("{lead}{words}"), effect.unwrap_or(Effect::NOT_HELD))
     });
     all.collect()
 }
@@ -27,7 +34,6 @@ fn largest(all: impl IntoIterator<Item = f64>) -> Option<f64> {
     all.into_iter().map(f64::abs).filter(|size| size.is_finite()).reduce(f64::max)
 }
 
-/// The findings of a section.
 pub fn of(section: &str, document: &Document) -> Vec<Finding> {
     let calibration = document.calibration.as_ref();
     match section {
@@ -55,7 +61,7 @@ pub fn of(section: &str, document: &Document) -> Vec<Finding> {
         "flight" => {
             let all = calibration.iter().flat_map(|found| &found.flight);
             all.flat_map(|flight| {
-                findings("", &flight.findings, &**flight, |_, code, _| Effect::Unstated(code.effect()))
+                findings("", &flight.findings, &**flight, |_, code, _| Some(Effect::Unstated(code.effect())))
             })
             .collect()
         }
@@ -101,7 +107,7 @@ fn of_axes(axes: &AxesCalibration) -> Vec<Finding> {
             number::figures(one.leave_one_out_nt, 4),
             number::probability(one.p_adjusted)
         );
-        Finding::of(words, axes::doubtful(axes, one))
+        Finding::of(words, axes::doubtful(axes, one).unwrap_or(Effect::NOT_HELD))
     });
     findings("", &axes.findings, axes, axes::directions).into_iter().chain(doubtful).collect()
 }
@@ -127,20 +133,16 @@ fn of_diagnosis(document: &Document) -> Vec<Finding> {
                 |fit: &Residual| (fit.rms_after_nt.powi(2) - fit.noise_floor_nt.powi(2)).max(0.0).sqrt();
             Finding::of(words, Effect::nt(fit.map(beyond)))
         });
-        fit.and_then(absurd).into_iter().chain(remaining)
+        // A fit that leaves more than there was.
+        let absurd = fit.filter(|fit| fit.is_absurd()).map(|fit| {
+            let [before, refitted, after] = [fit.rms_before_nt, fit.rms_refitted_nt, fit.rms_after_nt]
+                .map(|rms| number::significant(rms, 3));
+            let words = format!(
+                "The fit increases the residual: rms {before} nT with the stated calibration, {refitted} nT after refitting it, {after} nT with the effects found. Do not use it."
+            );
+            Finding::of(words, Effect::nt(fit.rms_refitted_nt.max(fit.rms_after_nt) - fit.rms_before_nt))
+        });
+        absurd.into_iter().chain(remaining)
     });
     each.collect()
-}
-
-/// That a fit leaves more than there was.
-fn absurd(fit: &Residual) -> Option<Finding> {
-    fit.is_absurd().then(|| {
-        let words = format!(
-            "The fit increases the residual: rms {} nT with the stated calibration, {} nT after refitting it, {} nT with the effects found. Do not use it.",
-            number::significant(fit.rms_before_nt, 3),
-            number::significant(fit.rms_refitted_nt, 3),
-            number::significant(fit.rms_after_nt, 3)
-        );
-        Finding::of(words, Effect::nt(fit.rms_refitted_nt.max(fit.rms_after_nt) - fit.rms_before_nt))
-    })
 }

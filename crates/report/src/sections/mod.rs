@@ -26,11 +26,7 @@ use crate::{Effect, Finding, Item, Options, Page, Section, Table, number};
 /// Plots with the name that `sections.jinja` calls them by.
 type Plots = HashMap<String, Vec<Plot>>;
 
-/// The page of a document, the statement of conformity first.
-///
-/// # Errors
-///
-/// Where a template is wrong.
+/// The page of a document, the statement of conformity first; an error where a template is wrong.
 pub fn page(document: &Document, conformity: Option<Section>, options: &Options) -> Result<Page, Error> {
     let stated = conformity.as_ref().and_then(|section| section.words.first()).cloned();
     let (context, plots) = given(document);
@@ -51,7 +47,8 @@ pub fn page(document: &Document, conformity: Option<Section>, options: &Options)
     };
     let earliest = |ids: &[String]| time::earliest(document, ids).map(|recording| recording.id.clone());
     crate::page::link(&mut sections, earliest);
-    let head = template::sections(include_str!("../head.jinja"), context, Plots::new())?;
+    let head =
+        template::sections(template::environment(), include_str!("../head.jinja"), context, Plots::new())?;
     let Section { title, words, .. } = head.into_iter().next().unwrap_or_default();
     Ok(Page { title, summary: words, sections })
 }
@@ -70,10 +67,8 @@ fn given(document: &Document) -> (Value, Plots) {
     absolute::plots(&mut plots, document);
     residuals::of_diagnosis(&mut plots, document);
     let pair = calibration.and_then(|found| found.differential.as_ref()?.fit.as_ref());
-    plots.insert(
-        "difference".into(),
-        pair.map(|fit| residuals::of_difference(fit, document)).unwrap_or_default(),
-    );
+    let difference = pair.map(|fit| residuals::of_difference(fit, document));
+    plots.insert("difference".into(), difference.unwrap_or_default());
     let clock = pair.and_then(|fit| fit.clock.as_ref());
     let clock = clock.map(|clock| [clock.offset_in_words(), clock.rate_in_words()]);
     let middles = pair.and_then(|fit| fit.stability.as_ref()).map(time::middles);
@@ -104,25 +99,23 @@ fn given(document: &Document) -> (Value, Plots) {
 
 /// The sections of what the document has, in the order of the page.
 fn parts(document: &Document, context: Value, plots: Plots) -> Result<Vec<Section>, Error> {
-    let mut sections = template::sections(include_str!("../sections.jinja"), context, plots)?;
+    let mut sections =
+        template::sections(template::environment(), include_str!("../sections.jinja"), context, plots)?;
     sections.iter_mut().for_each(|section| section.warnings = findings::of(&section.id, document));
     // These two say something by words and findings alone.
-    let alone = |section: &Section| ["stated", "axes"].contains(&section.id.as_str()) && !section.is_empty();
+    let alone = |section: &Section| {
+        ["stated", "axes"].contains(&section.id.as_str())
+            && !(section.words.is_empty() && section.warnings.is_empty())
+    };
     sections.retain_mut(|section| section.complete() || alone(section));
     Ok(sections)
 }
 
-/// The plots of several sensors, the first of each, then the second of each, and so on.
 fn side_by_side(of_each: Vec<Vec<Plot>>) -> Vec<Plot> {
-    let mut of_each: Vec<_> = of_each.into_iter().map(Vec::into_iter).collect();
-    let mut all = Vec::new();
-    loop {
-        let before = all.len();
-        all.extend(of_each.iter_mut().filter_map(Iterator::next));
-        if all.len() == before {
-            return all;
-        }
-    }
+    let numbered = of_each.into_iter().flat_map(|plots| plots.into_iter().enumerate());
+    let mut all: Vec<(usize, Plot)> = numbered.collect();
+    all.sort_by_key(|(number, _)| *number);
+    all.into_iter().map(|(_, plot)| plot).collect()
 }
 
 /// What the stages found striking, a sentence each.
@@ -149,11 +142,11 @@ fn ranked<'a>(sections: &'a [Section]) -> Option<Section> {
         (table("Findings, largest change of the result first"), table("The others"));
     for (place, (finding, section)) in all.into_iter().enumerate() {
         let table = if place < FIRST { &mut first } else { &mut others };
-        let figures = |size| number::significant(size, 2);
+        let in_unit = |size, unit: &str| format!("{} {unit}", number::significant(size, 2));
         let effect = match finding.effect {
-            Effect::Nt(size) => format!("{} nT", figures(size)),
-            Effect::Arcsec(size) => format!("{} arcsec", figures(size)),
-            Effect::Std(size) => format!("{} standard uncertainties", figures(size)),
+            Effect::Nt(size) => in_unit(size, "nT"),
+            Effect::Arcsec(size) => in_unit(size, "arcsec"),
+            Effect::Std(size) => in_unit(size, "standard uncertainties"),
             Effect::Unstated(reason) => format!("– ({reason})"),
         };
         let words = finding.words.replace('`', "");

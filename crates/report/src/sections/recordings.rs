@@ -1,7 +1,7 @@
 //! What was recorded, with drawings of what no stage has read, and the field that `correct` made of it.
 
 use crate::page::words::{counted, key, slug};
-use common::{Axis, Document, Recording, procedure};
+use common::{Axis, Document, PerAxis, Recording, procedure};
 use minijinja::{Value, context};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -35,7 +35,6 @@ pub fn procedures(document: &Document) -> Vec<(&str, [usize; 3])> {
     procedures.into_iter().collect()
 }
 
-/// Each recording.
 pub fn list(document: &Document) -> Vec<Value> {
     let one = |recording: &Recording| {
         let names: Vec<&str> = recording.columns.keys().map(String::as_str).collect();
@@ -79,22 +78,18 @@ fn is_read(document: &Document, recording: &Recording) -> bool {
         return true;
     }
     let Some(calibration) = &document.calibration else { return false };
-    let coil = |test: fn(&common::CoilCalibration) -> bool| {
-        calibration.coils.as_ref().is_some_and(|coils| coils.iter().any(|(_, coil)| test(coil)))
-    };
-    let sensor = |test: fn(&common::SensorCalibration) -> bool| {
-        calibration.sensors.as_ref().is_some_and(|sensors| sensors.iter().any(|(_, sensor)| test(sensor)))
-    };
+    let mut coils = calibration.coils.iter().flat_map(PerAxis::iter).map(|(_, coil)| coil);
+    let mut sensors = calibration.sensors.iter().flat_map(PerAxis::iter).map(|(_, sensor)| sensor);
     match recording.procedure.as_str() {
-        procedure::COIL_CONSTANT => coil(|coil| coil.constant.is_some()),
-        procedure::COIL_GRADIENT => coil(|coil| !coil.surveys.is_empty()),
+        procedure::COIL_CONSTANT => coils.any(|coil| coil.constant.is_some()),
+        procedure::COIL_GRADIENT => coils.any(|coil| !coil.surveys.is_empty()),
         procedure::NULLING_RESIDUAL => calibration.nulling.is_some(),
-        procedure::SENSOR_SENSITIVITY => sensor(|sensor| sensor.sensitivity.is_some()),
-        procedure::SENSOR_OFFSET_REVERSAL => sensor(|sensor| sensor.reversal.is_some()),
-        procedure::SENSOR_NOISE => sensor(|sensor| sensor.noise.is_some()),
-        procedure::OFFSET_DRIFT => sensor(|sensor| sensor.drift.is_some()),
-        procedure::TEMPERATURE_RUN => sensor(|sensor| sensor.temperature.is_some()),
-        procedure::CROSS_FIELD => sensor(|sensor| sensor.cross_field.is_some()),
+        procedure::SENSOR_SENSITIVITY => sensors.any(|sensor| sensor.sensitivity.is_some()),
+        procedure::SENSOR_OFFSET_REVERSAL => sensors.any(|sensor| sensor.reversal.is_some()),
+        procedure::SENSOR_NOISE => sensors.any(|sensor| sensor.noise.is_some()),
+        procedure::OFFSET_DRIFT => sensors.any(|sensor| sensor.drift.is_some()),
+        procedure::TEMPERATURE_RUN => sensors.any(|sensor| sensor.temperature.is_some()),
+        procedure::CROSS_FIELD => sensors.any(|sensor| sensor.cross_field.is_some()),
         procedure::AXES_ORIENTATION => {
             calibration.axes.as_ref().is_some_and(|axes| axes.fit.is_some() || axes.subset.is_some())
         }
@@ -121,30 +116,25 @@ fn plots(recording: &Recording) -> Vec<Plot> {
             None => units.push((unit, vec![name])),
         }
     }
-    let apart = |(unit, names): (String, Vec<&str>)| -> Vec<(String, Vec<(usize, String)>)> {
-        let named = || names.iter().map(|name| name.to_string()).enumerate();
-        if would_lie_flat(recording, &names) {
-            named().map(|one| (unit.clone(), vec![one])).collect()
-        } else {
-            vec![(unit, named().collect())]
-        }
-    };
-    let units: Vec<_> = units.into_iter().flat_map(apart).collect();
     let (along, x, time) = Clock::axis(recording);
     let segments = events::segments(recording);
-    let plot = |(number, (unit, names)): (usize, (String, Vec<(usize, String)>))| {
-        let words: Vec<String> = names.iter().map(|(_, name)| key(name).0).collect();
-        let id = format!("recording-{}-{}", slug(&recording.id), number + 1);
-        let mut plot = Plot::new(id, format!("{}: {}", recording.id, words.join(", ")))
-            .axes(along.clone(), Dimension::linear("reading", unit));
-        plot.time.clone_from(&time);
-        for ((style, name), word) in names.iter().zip(words) {
-            let column = recording.column(name).unwrap_or_default();
-            plot.push(series(word, *style, &x, column, &segments));
+    let mut plots = Vec::new();
+    for (unit, names) in &units {
+        let most = if would_lie_flat(recording, names) { 1 } else { STYLES };
+        let styled: Vec<(usize, &&str)> = names.iter().enumerate().collect();
+        for names in styled.chunks(most) {
+            let words: Vec<String> = names.iter().map(|(_, name)| key(name).0).collect();
+            let id = format!("recording-{}-{}", slug(&recording.id), plots.len() + 1);
+            let plot = Plot::new(id, format!("{}: {}", recording.id, words.join(", ")))
+                .axes(along.clone(), Dimension::linear("reading", unit.as_str()));
+            let plot = names.iter().zip(words).fold(plot, |plot, ((style, name), word)| {
+                let column = recording.column(name).unwrap_or_default();
+                plot.with(series(word, *style, &x, column, &segments))
+            });
+            plots.push(Plot { time: time.clone(), ..plot });
         }
-        plot
-    };
-    units.into_iter().enumerate().map(plot).collect()
+    }
+    plots
 }
 
 /// Whether columns are so far apart that none of them would be seen to vary in one plot.
@@ -218,7 +208,6 @@ pub fn corrected(all: &mut Plots, document: &Document) -> Value {
     context! { components, count => found.len(), drawn => FIELDS_DRAWN, rows, all => all_rows, std => largest }
 }
 
-/// Rows whose field is flagged.
 pub fn flagged(document: &Document) -> Vec<Finding> {
     let found = with_field(document).into_iter().filter_map(|(recording, ..)| {
         let flags = recording.column("field_flags")?;
@@ -243,7 +232,6 @@ pub fn flagged(document: &Document) -> Vec<Finding> {
     found.collect()
 }
 
-/// A component with its standard uncertainty.
 fn columns<'a>(recording: &'a Recording, quantity: &str, axis: Axis) -> Option<(&'a [f64], &'a [f64])> {
     let std = recording.axis_column(&format!("{quantity}_std"), axis, "nt").unwrap_or_default();
     Some((recording.axis_column(quantity, axis, "nt")?, std))

@@ -18,9 +18,7 @@ const FLAT: f64 = 0.4;
 pub struct Names<'a> {
     /// Unique within the page, before what the residual is drawn against.
     pub id: String,
-    /// Whose residual.
     pub title: String,
-    /// The residual, on its axis.
     pub residual: &'a str,
     /// Before, after, and what is fitted.
     pub legend: [&'a str; 3],
@@ -81,11 +79,11 @@ pub fn plots(names: &Names<'_>, series: &ResidualSeries, note: &str) -> Vec<Plot
         plots.push(plot("-left", format!("{title}: {after}")).with(left));
     }
     if times && !series.contributions_nt.is_empty() {
-        let mut explained = plot("-explained", format!("{title}: what each effect explains"));
-        for (style, (effect, values)) in series.contributions_nt.iter().enumerate() {
-            explained.push(Series::new(effect, Mark::Line, style, &x, values));
-        }
-        plots.push(explained);
+        let explained = plot("-explained", format!("{title}: what each effect explains"));
+        let effects = series.contributions_nt.iter().enumerate();
+        plots.push(effects.fold(explained, |plot, (style, (effect, values))| {
+            plot.with(Series::new(effect, Mark::Line, style, &x, values))
+        }));
     }
     let stacked = times && !series.recorded_nt.is_empty();
     let switched = |plot: Plot| {
@@ -146,19 +144,8 @@ fn one(axis: Axis, series: &ResidualSeries, recording: Option<&Recording>) -> Ve
             "What follows the column is not taken off.",
         ),
     };
-    let title = format!("Difference along test axis {axis}");
-    plots(
-        &Names {
-            id: format!("difference-{axis}"),
-            title,
-            residual: "difference",
-            legend,
-            recording,
-            diagnosis: None,
-        },
-        series,
-        note,
-    )
+    let (id, title) = (format!("difference-{axis}"), format!("Difference along test axis {axis}"));
+    plots(&Names { id, title, residual: "difference", legend, recording, diagnosis: None }, series, note)
 }
 
 /// Each diagnosis: the first of its series, then the others.
@@ -229,15 +216,8 @@ mod tests {
             readings: 5,
             ..ResidualSeries::default()
         };
-        let legend = ["before", "after", "fitted"];
-        let names = Names {
-            id: "p".into(),
-            title: "T".into(),
-            residual: "d",
-            legend,
-            recording: None,
-            diagnosis: None,
-        };
+        let (id, title, legend) = ("p".into(), "T".into(), ["before", "after", "fitted"]);
+        let names = Names { id, title, residual: "d", legend, recording: None, diagnosis: None };
         let plots = |after: Vec<f64>| super::plots(&names, &series(after), "");
         assert_eq!(plots(vec![9.0, 0.0, -9.0]).len(), 1);
         let two = plots(vec![0.1, 0.0, -0.1]);

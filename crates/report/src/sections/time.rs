@@ -5,7 +5,6 @@ use crate::page::plot::{Dimension, Timeline};
 use common::{Document, MatrixStability, Recording};
 use minijinja::{Value, context};
 
-/// A unit of time.
 pub struct Clock {
     pub unit: &'static str,
     pub seconds: f64,
@@ -34,18 +33,11 @@ impl Clock {
         }
     }
 
-    /// The time of a recording in this unit.
     pub fn timeline(&self, recording: &Recording) -> Timeline {
-        let epoch_s = recording.start().map(|start| start.unix_s);
-        Timeline {
-            recording: recording.id.clone(),
-            group: recording.id.clone(),
-            unit_s: self.seconds,
-            epoch_s,
-        }
+        let (id, epoch_s) = (&recording.id, recording.start().map(|start| start.unix_s));
+        Timeline { recording: id.clone(), group: id.clone(), unit_s: self.seconds, epoch_s }
     }
 
-    /// Times in this unit.
     pub fn times(&self, times_s: &[f64]) -> Vec<f64> {
         times_s.iter().map(|time| time / self.seconds).collect()
     }

@@ -2,8 +2,7 @@
 //! both themes and on a phone's width. Needs the browser: `just browser`.
 
 use common::Document;
-use report::Options;
-use report::page::html;
+use report::{Options, html};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -128,7 +127,7 @@ fn a_reader_uses_a_page() {
     let place = &mut document["diagnosis"][0]["where"][0];
     place["recordings"] = serde_json::json!([series["recording"]]);
     place["time_s"] = serde_json::json!([middle, middle.as_f64().map(|middle| 1.2 * middle)]);
-    let page = html::render(&crate::page(&document)).expect("HTML");
+    let page = crate::html(&document);
     fs::write(folder.path().join("page.html"), page.replace("</body>", STEPS)).expect("written");
     for (theme, width) in [("light", 1280), ("dark", 390)] {
         let (seen, console) = used(folder.path(), theme, width);

@@ -1,7 +1,7 @@
 //! Golden pages, a line a case: as text, and as HTML where the page is small.
 
 use report::Page;
-use report::page::{html, text};
+use report::{html, text};
 use serde_json::json;
 
 use crate::{REPORT, fixture, page, same};

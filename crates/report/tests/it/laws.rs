@@ -4,7 +4,7 @@
 //! A page shows numbers and estimates none: other names of axes, units, frames, noise and reference
 //! temperatures are other numbers to show, which golden pages hold.
 
-use report::page::text;
+use report::text;
 use serde_json::Value;
 use testkit::laws;
 

@@ -31,6 +31,10 @@ fn page(document: &Value) -> Page {
     report::run(&parsed(document), &Options::default()).expect("a page")
 }
 
+fn html(document: &Value) -> String {
+    report::html::render(&page(document)).expect("HTML")
+}
+
 /// The specification of MAGSAT.
 fn magsat() -> report::conformity::Spec {
     report::conformity::Spec::parse(&testkit::read_fixture("specs/magsat.json")).expect("a specification")

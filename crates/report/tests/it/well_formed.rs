@@ -1,8 +1,8 @@
 //! Every page is well-formed, whatever stands in the document; every plot is drawn, and every link leads
 //! somewhere.
 
-use report::page::{html, text};
 use report::{Item, Options, Page};
+use report::{html, text};
 use roxmltree::{Document as Xml, Node, ParsingOptions};
 use serde_json::json;
 use std::collections::HashSet;

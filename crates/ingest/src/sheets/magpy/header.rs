@@ -12,10 +12,8 @@ use crate::text::{Source, decoded, lines, quoted};
 /// Azimuths of the marks that old sheets name, degrees: the observatory on the Cobenzl, Vienna, as MagPy has them.
 const MARKS: [(&str, f64); 4] =
     [("UA", 290.0), ("MireTower", 41.80333), ("MireChurch", 51.1831), ("MireCobenzl", 353.698)];
-/// What old sheets say in their first line.
 const OLD: [&str; 7] =
     ["Observer", "Theodolite", "AzimuthMark", "Pillar", "Scalar", "InputDate", "Temperature"];
-/// Entries that become conditions.
 const CONDITIONS: [(&str, &str); 4] = [
     ("Observer", "observer"),
     ("Theodolite", super::super::THEODOLITE),
@@ -26,14 +24,12 @@ const CONDITIONS: [(&str, &str); 4] = [
 /// What of it is needed to read the rest.
 pub struct Header {
     pub azimuth_deg: f64,
-    /// Circles in a full turn.
     pub turn: f64,
     unit: &'static str,
     /// What to do where they are in another one.
     pub remedy: &'static str,
 }
 
-/// Whether a text is such a sheet.
 pub fn is_meant(bytes: &[u8]) -> bool {
     let head = decoded(&bytes[..bytes.len().min(2000)]).to_lowercase();
     let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -47,16 +43,13 @@ pub fn number(text: &str) -> Option<f64> {
 }
 
 impl Header {
-    /// Reads it; what it says goes to the sheet.
-    ///
-    /// # Errors
-    ///
-    /// An azimuth of the mark that is none, or that of a mark by an unknown name; a number that is none.
+    /// Reads it; what it says goes to the sheet. Errors: an azimuth of the mark that is none, or that of a
+    /// mark by an unknown name; a number that is none.
     pub fn read(source: &Source, sheet: &mut Sheet) -> Result<Self, Error> {
         let entries = entries(source);
         let of = |name: &str| entries.iter().find(|(_, key, _)| key == name);
         let fault = |line: u32, text: &str, expected: &str| {
-            Err(source.fault(Place::Line(line.into()), quoted(text.as_bytes()), expected))
+            Err(source.in_line(line, quoted(text.as_bytes()), expected))
         };
         let (turn, unit, remedy) = match of("TheoUnit") {
             Some((_, _, text)) if text == "gon" => {
@@ -106,17 +99,13 @@ impl Header {
         Ok(header)
     }
 
-    /// A circle in degrees.
-    ///
-    /// # Errors
-    ///
-    /// One beyond a full turn, with what to do.
+    /// A circle in degrees. Errors: one beyond a full turn, with what to do.
     pub fn degrees(&self, source: &Source, line: u32, value: f64) -> Result<f64, Error> {
         if (0.0..=self.turn).contains(&value) {
             return Ok(value * (360.0 / self.turn));
         }
         let found = format!("{} for a circle in {}", significant(value, 8), self.unit);
-        Err(source.fault(Place::Line(line.into()), found, format!("0 to {}; {}", self.turn, self.remedy)))
+        Err(source.in_line(line, found, format!("0 to {}; {}", self.turn, self.remedy)))
     }
 }
 

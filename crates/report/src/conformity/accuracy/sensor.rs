@@ -4,16 +4,40 @@ use nalgebra::Vector3;
 use physics::Kind;
 use physics::frames::ARCSEC;
 
-use super::gaps::Gaps;
-use crate::conformity::Requirement;
-use crate::conformity::axes::turn_per_k;
+use crate::conformity::directions::turn_per_k;
 use crate::conformity::joint::{self, ACROSS, Joint};
 use crate::conformity::offset::{Drift, drift};
 use crate::conformity::range::{calibrated_nt, codes_nt};
+use crate::conformity::spec::Requirement;
 use crate::conformity::temperature::{Coefficients, Part};
 
 /// The field at which the catalogue gives nonlinearity and fields across, nT.
 const FULL_NT: f64 = 50_000.0;
+
+/// What is not in the budget, with the sensors of which that holds.
+#[derive(Default)]
+pub struct Gaps(Vec<(String, Vec<Axis>)>);
+
+impl Gaps {
+    pub fn add(&mut self, axis: Axis, why: &str) {
+        match self.0.iter_mut().find(|(known, _)| known == why) {
+            Some((_, axes)) if axes.contains(&axis) => {}
+            Some((_, axes)) => axes.push(axis),
+            None => self.0.push((why.into(), vec![axis])),
+        }
+    }
+
+    pub fn sentences(self) -> Vec<String> {
+        let sentence = |(why, axes): (String, Vec<Axis>)| match axes.as_slice() {
+            [axis] => format!("sensor {axis}: {why}"),
+            axes => {
+                let names: Vec<&str> = axes.iter().map(|axis| axis.letter()).collect();
+                format!("sensors {}: {why}", names.join(", "))
+            }
+        };
+        self.0.into_iter().map(sentence).collect()
+    }
+}
 
 /// Effects that the budget has a term for.
 const KNOWN: [Kind; 9] = [
@@ -28,7 +52,6 @@ const KNOWN: [Kind; 9] = [
     Kind::AxisTemperature,
 ];
 
-/// A field and temperatures.
 pub struct Case {
     /// The field in SEN, nT.
     pub field: Vector3<f64>,
@@ -87,8 +110,7 @@ impl Sensor {
         found: &SensorCalibration,
         gaps: &mut Gaps,
     ) -> Option<Self> {
-        let volt = found.sensitivity_nt_per_v.as_ref().map(|k| (k, "v"));
-        let (k, unit) = volt.or(found.sensitivity_nt_per_nt.as_ref().map(|k| (k, "nt")))?;
+        let (k, unit) = joint::sensitivity(found)?;
         let offset = found.offset_nt.as_ref()?;
         let constants = [uncertainty::sensitivity(axis, unit), joint::offset(document, axis)];
         let known = joint.covariance(&constants);
@@ -243,9 +265,7 @@ fn looked_for(found: &SensorCalibration) -> [f64; 2] {
     })
 }
 
-/// What fields across do to a sensor.
 struct Across {
-    /// The paths of the parameters.
     paths: Vec<String>,
     /// Their values where they are not corrected, nT.
     left: [f64; 5],

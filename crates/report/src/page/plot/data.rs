@@ -2,9 +2,9 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use serde::Serialize;
+use serde_json::{Value, json};
 
-use super::drawn::{Dimension, Interval, Mark, Plot, Point, Series, Timeline, Toggle};
+use super::drawn::{Plot, Point, Series, Toggle};
 
 /// Up to so many points keep every digit; longer series are single precision about their first value.
 const EXACT: usize = 2_000;
@@ -27,118 +27,65 @@ fn numbers_of(series: &Series, rows: usize) -> usize {
     if rows == 1 || count <= EXACT { count * (bars + times) } else { count / rows * (2 + times) }
 }
 
-/// The plot as JSON, safe within a page.
 pub fn data(plot: &Plot, rows: usize) -> String {
-    let written = Written {
-        x: &plot.x,
-        y: &plot.y,
-        map: plot.map,
-        time: plot.time.as_ref(),
-        series: plot.series.iter().map(|series| column(series, rows)).collect(),
-        marks: &plot.marks,
-        toggles: plot.toggles.iter().map(switched).collect(),
-        held_out: plot.held_out_nt,
-        spectrum: plot.spectrum,
-    };
-    let json = serde_json::to_string(&written).unwrap_or_default();
-    json.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
+    let unless_empty = |list: Vec<Value>| (!list.is_empty()).then(|| list.into());
+    let written = object([
+        ("x", Some(json!(plot.x))),
+        ("y", Some(json!(plot.y))),
+        ("map", Some(plot.map.into())),
+        ("time", plot.time.as_ref().map(|time| json!(time))),
+        ("series", Some(plot.series.iter().map(|series| column(series, rows)).collect())),
+        ("marks", unless_empty(plot.marks.iter().map(|mark| json!(mark)).collect())),
+        ("toggles", unless_empty(plot.toggles.iter().map(switched).collect())),
+        ("held_out", plot.held_out_nt.map(Value::from)),
+        ("spectrum", plot.spectrum.then(|| true.into())),
+    ]);
+    written.to_string().replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e")
 }
 
-#[derive(Serialize)]
-struct Written<'a> {
-    x: &'a Dimension,
-    y: &'a Dimension,
-    map: bool,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    time: Option<&'a Timeline>,
-    series: Vec<WrittenSeries<'a>>,
-    #[serde(skip_serializing_if = "<[_]>::is_empty")]
-    marks: &'a [Interval],
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    toggles: Vec<WrittenToggle<'a>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    held_out: Option<f64>,
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    spectrum: bool,
+fn object<const N: usize>(entries: [(&str, Option<Value>); N]) -> Value {
+    entries.into_iter().filter_map(|(key, value)| Some((key, value?))).collect()
 }
 
-#[derive(Serialize)]
-struct WrittenSeries<'a> {
-    name: &'a str,
-    mark: Mark,
-    style: usize,
-    x: Places,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    y: Option<Numbers>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    low: Option<Numbers>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    high: Option<Numbers>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    bin: Option<usize>,
-}
-
-#[derive(Serialize)]
-struct WrittenToggle<'a> {
-    name: &'a str,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    id: Option<&'a str>,
-    series: usize,
-    y: Numbers,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    held_out_nt: Option<f64>,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Places {
-    Regular { from: f64, step: f64, count: usize },
-    Each(Numbers),
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Numbers {
-    Double { f64: String },
-    Single { base: f64, f32: String },
-}
-
-fn column(series: &Series, rows: usize) -> WrittenSeries<'_> {
+fn column(series: &Series, rows: usize) -> Value {
     let points = &series.points;
     let binned = rows > 1 && points.len() > EXACT;
     let rows = if binned { rows } else { 1 };
     let starts: Vec<f64> = points.iter().step_by(rows).map(|point| point.x).collect();
     let x = match regular(points) {
-        Some([from, step]) => Places::Regular { from, step: step * rows as f64, count: starts.len() },
-        None => Places::Each(double(&starts)),
+        Some([from, step]) => json!({"from": from, "step": step * rows as f64, "count": starts.len()}),
+        None => double(&starts),
     };
     let limits: Option<Vec<[f64; 2]>> = if binned {
         Some(points.chunks(rows).map(extent).collect())
     } else {
-        points
-            .iter()
-            .any(|point| point.bar.is_some())
-            .then(|| points.iter().map(|point| point.bar.unwrap_or([f64::NAN; 2])).collect())
+        let bars = points.iter().map(|point| point.bar.unwrap_or([f64::NAN; 2]));
+        points.iter().any(|point| point.bar.is_some()).then(|| bars.collect())
     };
     let limit = |end: usize| {
         limits.as_ref().map(|all| numbers(&all.iter().map(|ends| ends[end]).collect::<Vec<f64>>()))
     };
-    WrittenSeries {
-        name: &series.name,
-        mark: series.mark,
-        style: series.style,
-        x,
-        y: (!binned).then(|| numbers(&points.iter().map(|point| point.y).collect::<Vec<f64>>())),
-        low: limit(0),
-        high: limit(1),
-        bin: binned.then_some(rows),
-    }
+    let y = || numbers(&points.iter().map(|point| point.y).collect::<Vec<f64>>());
+    object([
+        ("name", Some(series.name.as_str().into())),
+        ("mark", Some(json!(series.mark))),
+        ("style", Some(series.style.into())),
+        ("x", Some(x)),
+        ("y", (!binned).then(y)),
+        ("low", limit(0)),
+        ("high", limit(1)),
+        ("bin", binned.then(|| rows.into())),
+    ])
 }
 
-fn switched(toggle: &Toggle) -> WrittenToggle<'_> {
-    let Toggle { name, id, series, y, held_out_nt } = toggle;
-    let y = numbers(y);
-    WrittenToggle { name, id: id.as_deref(), series: *series, y, held_out_nt: *held_out_nt }
+fn switched(toggle: &Toggle) -> Value {
+    object([
+        ("name", Some(toggle.name.as_str().into())),
+        ("id", toggle.id.as_deref().map(Value::from)),
+        ("series", Some(toggle.series.into())),
+        ("y", Some(numbers(&toggle.y))),
+        ("held_out_nt", toggle.held_out_nt.map(Value::from)),
+    ])
 }
 
 /// The smallest and the largest value of some rows.
@@ -156,23 +103,24 @@ fn regular(points: &[Point]) -> Option<[f64; 2]> {
     all.then_some([first.x, step])
 }
 
-fn numbers(values: &[f64]) -> Numbers {
+fn numbers(values: &[f64]) -> Value {
     if values.len() <= EXACT {
         return double(values);
     }
     let base = values.iter().copied().find(|value| value.is_finite()).unwrap_or_default();
     let bytes: Vec<u8> = values.iter().flat_map(|value| ((value - base) as f32).to_le_bytes()).collect();
-    Numbers::Single { base, f32: STANDARD.encode(bytes) }
+    json!({"base": base, "f32": STANDARD.encode(bytes)})
 }
 
-fn double(values: &[f64]) -> Numbers {
+fn double(values: &[f64]) -> Value {
     let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
-    Numbers::Double { f64: STANDARD.encode(bytes) }
+    json!({"f64": STANDARD.encode(bytes)})
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::page::plot::Mark;
 
     #[test]
     fn a_long_series_is_the_extent_of_bins_and_a_short_one_is_exact() {
@@ -184,23 +132,19 @@ mod tests {
         assert_eq!(rows, 8);
         let text = data(&long, rows);
         assert!(text.len() < 6_000_000 && text.contains("\\u003ca\\u003e"), "{}", text.len());
-        let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+        let json: Value = serde_json::from_str(&text).expect("JSON");
         let series = &json["series"][0];
-        assert_eq!(
-            [&series["bin"], &series["x"]["step"], &series["x"]["count"]].map(|n| n.as_f64()),
-            [Some(8.0), Some(8.0), Some(250_000.0)]
-        );
-        let high = STANDARD.decode(series["high"]["f32"].as_str().expect("base64")).expect("bytes");
+        let found = [&series["bin"], &series["x"]["step"], &series["x"]["count"]].map(Value::as_f64);
+        assert_eq!(found, [8.0, 8.0, 250_000.0].map(Some));
+        let decoded = |text: &Value| STANDARD.decode(text.as_str().expect("base64")).expect("bytes");
         let bin = 4 * (999 / rows);
-        let found = f32::from_le_bytes(high[bin..bin + 4].try_into().expect("four"));
-        let found = f64::from(found) + series["high"]["base"].as_f64().expect("a number");
+        let found = decoded(&series["high"]["f32"])[bin..bin + 4].try_into().map(f32::from_le_bytes);
+        let found = f64::from(found.expect("four")) + series["high"]["base"].as_f64().expect("a number");
         assert!((found - 1e9).abs() < 64.0, "{found}");
 
-        let short =
-            Plot::new("p", "P").with(Series::measured("a", 0, [[0.0, 0.1, 0.01], [5.0, f64::NAN, 1.0]]));
-        let json: serde_json::Value = serde_json::from_str(&data(&short, rows)).expect("JSON");
-        let y = STANDARD.decode(json["series"][0]["y"]["f64"].as_str().expect("base64")).expect("bytes");
-        assert_eq!(y[..8], 0.1_f64.to_le_bytes());
-        assert_eq!(json["series"][0]["bin"], serde_json::Value::Null);
+        let series = Series::points("a", 0, &[0.0, 5.0], &[0.1, f64::NAN]).with_std(&[0.01, 1.0]);
+        let json: Value = serde_json::from_str(&data(&Plot::new("p", "P").with(series), rows)).expect("JSON");
+        assert_eq!(decoded(&json["series"][0]["y"]["f64"])[..8], 0.1_f64.to_le_bytes());
+        assert_eq!(json["series"][0]["bin"], Value::Null);
     }
 }

@@ -5,18 +5,13 @@ use serde::Serialize;
 use crate::page::number;
 use crate::page::table::{Cell, Header, Table};
 
-/// A plot.
 #[derive(Clone, Debug, Default)]
 pub struct Plot {
     /// Unique within the page, and the name of the file of its data: lower case letters, digits and hyphens.
     pub id: String,
-    /// What it shows.
     pub title: String,
-    /// The horizontal axis.
     pub x: Dimension,
-    /// The vertical axis.
     pub y: Dimension,
-    /// What is drawn.
     pub series: Vec<Series>,
     /// What the reader must know of bars and bands.
     pub note: String,
@@ -39,7 +34,6 @@ pub struct Plot {
 /// The time of a recording, along x.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Timeline {
-    /// Id of the recording.
     #[serde(skip)]
     pub recording: String,
     /// Plots of one group move together: those of a recording, and of others that overlap with it.
@@ -57,25 +51,18 @@ impl Timeline {
     }
 }
 
-/// An interval along x.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Interval {
-    /// What is there.
     pub name: String,
-    /// Its ends.
     pub from: f64,
-    /// Its ends.
     pub to: f64,
     /// Id of the page's element that speaks of it.
     pub id: String,
 }
 
-/// An explanation that can be switched off.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Toggle {
-    /// Its name.
     pub name: String,
-    /// Id of the words about it.
     pub id: Option<String>,
     /// Number of the series that it is taken off from.
     pub series: usize,
@@ -85,27 +72,21 @@ pub struct Toggle {
     pub held_out_nt: Option<f64>,
 }
 
-/// An axis of a plot.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Dimension {
     /// What runs along it.
     pub label: String,
     /// Its unit; empty where it has none.
     pub unit: String,
-    /// Whether it is logarithmic.
     pub log: bool,
 }
 
-/// Points that belong together.
 #[derive(Clone, Debug, Default)]
 pub struct Series {
-    /// Its name in the legend.
     pub name: String,
-    /// How it is drawn.
     pub mark: Mark,
     /// Number of its colour and shape; the axes x, y and z have 0, 1 and 2.
     pub style: usize,
-    /// The points.
     pub points: Vec<Point>,
 }
 
@@ -125,16 +106,13 @@ pub enum Mark {
 /// One point; what is missing is NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Along the horizontal axis.
     pub x: f64,
-    /// Along the vertical axis.
     pub y: f64,
     /// Ends of its bar or band.
     pub bar: Option<[f64; 2]>,
 }
 
 impl Dimension {
-    /// A linear axis.
     pub fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into(), log: false }
     }
@@ -144,7 +122,6 @@ impl Dimension {
         Self { log: true, ..Self::from(text) }
     }
 
-    /// Label and unit.
     pub fn text(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
     }
@@ -159,22 +136,14 @@ impl From<&str> for Dimension {
 }
 
 impl Plot {
-    /// A plot without axes and series as yet.
     pub fn new(id: impl Into<String>, title: impl Into<String>) -> Self {
         Self { id: id.into(), title: title.into(), ..Self::default() }
     }
 
-    /// With these axes.
     pub fn axes(self, x: impl Into<Dimension>, y: impl Into<Dimension>) -> Self {
         Self { x: x.into(), y: y.into(), ..self }
     }
 
-    /// With one step along x as long as one along y.
-    pub fn map(self) -> Self {
-        Self { map: true, ..self }
-    }
-
-    /// With a note below it.
     pub fn note(self, note: impl Into<String>) -> Self {
         Self { note: note.into(), ..self }
     }
@@ -197,7 +166,6 @@ impl Plot {
         self.series.iter().flat_map(|series| &series.points)
     }
 
-    /// Its points as a table.
     pub fn table(&self) -> Table {
         let header = |name: &str, unit: &str| Header { name: name.into(), unit: unit.into() };
         let [x, y] = [&self.x, &self.y];
@@ -206,16 +174,15 @@ impl Plot {
         if bars {
             headers.extend(["low", "high"].map(|name| header(name, &y.unit)));
         }
-        let mut rows = Vec::new();
-        for series in &self.series {
-            for point in series.values() {
-                let mut row = vec![series.name.as_str().into(), Cell::Number(point.x), Cell::Number(point.y)];
-                if bars {
-                    row.extend(point.bar.map_or([Cell::Empty, Cell::Empty], |bar| bar.map(Cell::Number)));
-                }
-                rows.push(row);
+        let row = |series: &Series, point: &Point| {
+            let mut row = vec![series.name.as_str().into(), Cell::Number(point.x), Cell::Number(point.y)];
+            if bars {
+                row.extend(point.bar.map_or([Cell::Empty, Cell::Empty], |bar| bar.map(Cell::Number)));
             }
-        }
+            row
+        };
+        let rows =
+            self.series.iter().flat_map(|one| one.values().map(move |point| row(one, point))).collect();
         Table { caption: self.title.clone(), headers, rows }
     }
 
@@ -258,20 +225,8 @@ impl Series {
         series
     }
 
-    /// Points of x and y.
     pub fn points(name: impl Into<String>, style: usize, x: &[f64], y: &[f64]) -> Self {
         Self::new(name, Mark::Points, style, x, y)
-    }
-
-    /// Points of x, y and the standard uncertainty of y.
-    pub fn measured(
-        name: impl Into<String>,
-        style: usize,
-        points: impl IntoIterator<Item = [f64; 3]>,
-    ) -> Self {
-        let point = |[x, y, std]: [f64; 3]| Point { x, y, bar: Some([y - std, y + std]) };
-        let points = points.into_iter().map(point).collect();
-        Self { name: name.into(), mark: Mark::Points, style, points }
     }
 
     /// Adds points, after a gap where there are others already.
@@ -287,7 +242,6 @@ impl Series {
         self.points.iter().filter(|point| !(point.x.is_nan() && point.y.is_nan()))
     }
 
-    /// With bars of ± one standard uncertainty.
     pub fn with_std(mut self, std: &[f64]) -> Self {
         for (point, std) in self.points.iter_mut().zip(std) {
             point.bar = Some([point.y - std, point.y + std]);
@@ -295,7 +249,6 @@ impl Series {
         self
     }
 
-    /// With bars or a band between two limits.
     pub fn between(mut self, low: &[f64], high: &[f64]) -> Self {
         for (point, (low, high)) in self.points.iter_mut().zip(low.iter().zip(high)) {
             point.bar = Some([*low, *high]);
@@ -313,7 +266,7 @@ mod tests {
         let plot = Plot::new("p", "P")
             .axes("t [s]", "B [nT]")
             .with(Series::new("a, \"b\"", Mark::Line, 0, &[0.5, 1.0], &[f64::NAN, 2.0]))
-            .with(Series::measured("c", 0, [[0.0, 1.0, 0.25]]));
+            .with(Series::points("c", 0, &[0.0], &[1.0]).with_std(&[0.25]));
         assert_eq!(
             plot.csv(),
             "series,t (s),B (nT),low,high\n\"a, \"\"b\"\"\",0.5,,,\n\"a, \"\"b\"\"\",1,2,,\nc,0,1,0.75,1.25\n"

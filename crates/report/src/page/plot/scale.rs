@@ -15,9 +15,7 @@ const CLOCK_S: [f64; 18] = [
 /// A scale: the values from `low` to `high` lie between two places.
 #[derive(Clone, Copy, Debug)]
 pub struct Scale {
-    /// Value at the first place.
     pub low: f64,
-    /// Value at the second place.
     pub high: f64,
     /// The places, in the drawing's units.
     pub places: [f64; 2],
@@ -46,7 +44,6 @@ impl Scale {
         Some(Self { low, high, places: [0.0, 1.0], log })
     }
 
-    /// The same between these places.
     pub fn at(self, places: [f64; 2]) -> Self {
         Self { places, ..self }
     }
@@ -64,7 +61,6 @@ impl Scale {
         Some(self.places[0] + share * (self.places[1] - self.places[0]))
     }
 
-    /// The marks, about `wanted` of them.
     pub fn ticks(&self, wanted: usize) -> Vec<Tick> {
         let marks = if self.log { decades } else { linear };
         marks(self.low, self.high, wanted)
@@ -96,10 +92,8 @@ pub fn moment_text(unix_s: f64) -> Option<String> {
     Start { unix_s: unix_s.floor(), offset_s: 0.0 }.text()
 }
 
-/// A mark of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
-    /// Where.
     pub at: f64,
     /// What stands there; empty for a minor mark.
     pub label: String,
@@ -176,10 +170,7 @@ mod tests {
         let log = Scale::over([-1.0, 0.0, 1.0, 100.0].into_iter(), true).expect("values").at([0.0, 100.0]);
         assert!((log.place(10.0).expect("a place") - 50.0).abs() < 1e-9);
         assert_eq!(log.place(0.0), None);
-    }
-
-    #[test]
-    fn one_value_has_room_and_none_has_no_scale() {
+        // One value has room, and none has no scale.
         let single = Scale::over([6400.0].into_iter(), false).expect("a value");
         assert!(single.low < 6400.0 && single.high > 6400.0);
         assert!(Scale::over([f64::NAN].into_iter(), false).is_none());
@@ -188,20 +179,15 @@ mod tests {
 
     #[test]
     fn dates_and_times_of_day() {
-        let time = |unit_s: f64| Timeline {
-            recording: String::new(),
-            group: String::new(),
-            unit_s,
-            epoch_s: Some(86_400.0),
-        };
+        let [recording, group] = [String::new(), String::new()];
+        let hour = Timeline { recording, group, unit_s: 3600.0, epoch_s: Some(86_400.0) };
+        let time = |unit_s: f64| Timeline { unit_s, ..hour.clone() };
         let scale = |high: f64| Scale { low: 0.0, high, places: [0.0, 1.0], log: false };
         let hours = scale(26.0).moments(&time(3600.0), 4).expect("dated");
         assert_eq!(labels(&hours), ["1970-01-02", "06:00", "12:00", "18:00", "1970-01-03"]);
         assert_eq!(hours[1].at, 6.0);
-        assert_eq!(
-            labels(&scale(10.0).moments(&time(86_400.0), 3).expect("dated"))[..2],
-            ["1970-01-03", "1970-01-05"]
-        );
+        let days = scale(10.0).moments(&time(86_400.0), 3).expect("dated");
+        assert_eq!(labels(&days)[..2], ["1970-01-03", "1970-01-05"]);
         assert_eq!(scale(1.0).moments(&time(1.0), 4), None);
     }
 
@@ -222,7 +208,6 @@ mod tests {
         assert_eq!(labels(&decades(2e-4, 50.0, 7)), ["10⁻³", "10⁻²", "10⁻¹", "10⁰", "10¹"]);
         assert_eq!(labels(&decades(1e-5, 1e6, 5)), ["10⁻³", "10⁰", "10³", "10⁶"]);
         assert_eq!(labels(&decades(0.5, 20.0, 5)), ["0.5", "1", "2", "5", "10", "20"]);
-        let minor = decades(0.01, 1.0e2, 5).len() - 5;
-        assert_eq!(minor, 32);
+        assert_eq!(decades(0.01, 1.0e2, 5).len(), 5 + 32);
     }
 }

@@ -13,7 +13,6 @@ const RIGHT: f64 = 16.0;
 const BELOW: f64 = 44.0;
 /// Width of a character of a tick's label.
 const CHARACTER: f64 = 7.4;
-/// Number of colours and of shapes.
 pub const STYLES: usize = 6;
 
 /// The drawing as an SVG element; colours and theme come from the page's style. Without a point that can be
@@ -25,7 +24,12 @@ pub fn svg(plot: &Plot) -> String {
         return "<p class=\"nothing\">No value that can be drawn.</p>".into();
     };
     if plot.map {
-        square(&mut x, &mut y);
+        // One step along x is as long as one along y, on a square.
+        let half = (x.high - x.low).max(y.high - y.low) / 2.0;
+        for scale in [&mut x, &mut y] {
+            let middle = (scale.low + scale.high) / 2.0;
+            (scale.low, scale.high) = (middle - half, middle + half);
+        }
     }
     let ticks = y.ticks(6);
     let longest = ticks.iter().map(|tick| tick.label.chars().count()).max().unwrap_or(0);
@@ -69,7 +73,6 @@ pub fn svg(plot: &Plot) -> String {
     out
 }
 
-/// The sign of a series in the legend.
 pub fn swatch(series: &Series) -> String {
     let style = series.style % STYLES;
     let mut out =
@@ -124,15 +127,6 @@ fn below(x: &Scale, plot: &Plot) -> String {
     begins.map_or_else(|| plot.x.text(), |text| format!("{} (UTC, {})", plot.x.label, &text[..10]))
 }
 
-/// Makes one step along x as long as one along y, on a square.
-fn square(x: &mut Scale, y: &mut Scale) {
-    let half = (x.high - x.low).max(y.high - y.low) / 2.0;
-    for scale in [x, y] {
-        let middle = (scale.low + scale.high) / 2.0;
-        (scale.low, scale.high) = (middle - half, middle + half);
-    }
-}
-
 fn drawn(series: &Series, x: &Scale, y: &Scale, marked: bool) -> String {
     let place = |point: &Point| Some([x.place(point.x)?, y.place(point.y)?]);
     let mut out = format!("<g class=\"s{}\">", series.style % STYLES);
@@ -158,22 +152,18 @@ fn drawn(series: &Series, x: &Scale, y: &Scale, marked: bool) -> String {
         Mark::Line | Mark::Dashes => {
             path(&mut out, "band", &band(series, x, y));
             path(&mut out, stroke(series.mark), &line_through(series.points.iter().map(place)));
+            // A few shapes along a line, so that lines are told apart without colour.
             if marked && series.mark == Mark::Line {
-                path(&mut out, "points", &signs(series, place));
+                let mut shapes = String::new();
+                let stride = (series.points.len() / 7).max(1);
+                let some = series.points.iter().skip(stride / 2).step_by(stride);
+                some.filter_map(place).for_each(|at| shape(&mut shapes, series.style, at, 3.0));
+                path(&mut out, "points", &shapes);
             }
         }
     }
     out.push_str("</g>");
     out
-}
-
-/// A few shapes along a line, so that lines are told apart without colour.
-fn signs(series: &Series, place: impl Fn(&Point) -> Option<[f64; 2]>) -> String {
-    let mut shapes = String::new();
-    let stride = (series.points.len() / 7).max(1);
-    let some = series.points.iter().skip(stride / 2).step_by(stride);
-    some.filter_map(place).for_each(|at| shape(&mut shapes, series.style, at, 3.0));
-    shapes
 }
 
 /// The ends of a bar; a lower end that has no place on a logarithmic axis is at its foot.
@@ -207,7 +197,6 @@ fn line_through(places: impl Iterator<Item = Option<[f64; 2]>>) -> String {
     line
 }
 
-/// The class of a line.
 fn stroke(mark: Mark) -> &'static str {
     if mark == Mark::Dashes { "dashes" } else { "line" }
 }
@@ -242,7 +231,6 @@ mod tests {
         svg(&Plot::new("p", "P").axes(Dimension::log("f [Hz]"), Dimension::log("P [nT²/Hz]")).with(series))
     }
 
-    /// The paths of a class.
     fn paths<'a>(svg: &'a str, class: &str) -> Vec<&'a str> {
         let start = format!("<path class=\"{class}\" d=\"");
         svg.split(&start).skip(1).filter_map(|rest| rest.split('"').next()).collect()
@@ -269,7 +257,7 @@ mod tests {
     #[test]
     fn a_map_has_the_same_length_of_a_step_both_ways() {
         let series = Series::new("s", Mark::Line, 0, &[0.0, 3.0, 0.0], &[0.0, 0.0, 1.0]);
-        let svg = svg(&Plot::new("p", "P").axes("x", "y").map().with(series));
+        let svg = svg(&Plot { map: true, ..Plot::new("p", "P").axes("x", "y").with(series) });
         let places: Vec<f64> =
             paths(&svg, "line")[0].split(['M', 'L', ' ']).filter_map(|number| number.parse().ok()).collect();
         let [x0, y0, x1, _, _, y2] = places[..] else { panic!("{places:?}") };

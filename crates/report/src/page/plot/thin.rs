@@ -12,9 +12,7 @@ pub fn thinned(mut plot: Plot) -> (Plot, Option<String>) {
     let count = |plot: &Plot| plot.series.iter().flat_map(Series::values).count();
     let rows = count(&plot);
     let log = plot.x.log;
-    for series in &mut plot.series {
-        thin(series, log);
-    }
+    plot.series.iter_mut().for_each(|series| thin(series, log));
     let kept = count(&plot);
     let note = (kept < rows).then(|| {
         format!(
@@ -69,13 +67,8 @@ mod tests {
         let mut y: Vec<f64> = x.iter().map(|x| (x / 500.0).sin()).collect();
         y[54_321] = 40.0;
         y[30_000..30_500].fill(f64::NAN);
-        let plot = Plot::new("p", "P").with(Series::new("long", Mark::Line, 0, &x, &y)).with(Series::new(
-            "short",
-            Mark::Line,
-            1,
-            &[1.0, 2.0],
-            &[3.0, f64::NAN],
-        ));
+        let short = Series::new("short", Mark::Line, 1, &[1.0, 2.0], &[3.0, f64::NAN]);
+        let plot = Plot::new("p", "P").with(Series::new("long", Mark::Line, 0, &x, &y)).with(short);
         let (plot, note) = thinned(plot);
         assert!(plot.series[0].points.len() <= 2 * COLUMNS + 3);
         assert!(plot.series[0].points.iter().any(|point| point.y.is_nan()));

@@ -1,6 +1,6 @@
 //! Findings of absolute.
 
-use common::{AbsoluteReading, AbsoluteSet, Code, Document};
+use common::{AbsoluteSet, Code, Document};
 
 use super::findings;
 use crate::sections::absolute::{found, origin, unix_s};
@@ -50,12 +50,10 @@ pub fn all(document: &Document) -> Vec<Finding> {
 }
 
 /// What findings on a measurement do: a circle that is misread moves what is said of itself by its share in that.
-fn measurement(set: &AbsoluteSet, code: Code, _: &str) -> Effect {
-    let own = |one: &AbsoluteReading| one.leave_one_out_arcsec - one.residual_arcsec;
-    match code {
-        Code::Outliers => {
-            Effect::arcsec(set.readings.iter().max_by(|a, b| a.t.abs().total_cmp(&b.t.abs())).map(own))
-        }
-        _ => Effect::Unstated(code.effect()),
+fn measurement(set: &AbsoluteSet, code: Code, _: &str) -> Option<Effect> {
+    if code != Code::Outliers {
+        return Some(Effect::Unstated(code.effect()));
     }
+    let most = set.readings.iter().max_by(|a, b| a.t.abs().total_cmp(&b.t.abs()))?;
+    Some(Effect::arcsec(most.leave_one_out_arcsec - most.residual_arcsec))
 }

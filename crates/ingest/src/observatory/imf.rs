@@ -3,9 +3,7 @@
 //!
 //! `FLX MAR1024 070 00 HDZF A EDI 04210158 000000 RRRRRRRRRRRRRRRR`.
 
-use tables::Place;
-
-use super::{Components, elements, header, scaled};
+use super::{Components, elements, header, scaled, whole_numbers};
 use crate::Error;
 use crate::clock::{self, DAY_NS, SECOND_NS};
 use crate::piece::Piece;
@@ -16,7 +14,6 @@ const MONTHS: [&str; 12] =
 /// Types of data as IAGA-2002 calls them.
 const KINDS: [(&str, &str); 4] =
     [("R", "Reported"), ("A", "Adjusted"), ("Q", "Quasi-definitive"), ("D", "Definitive")];
-const MINUTE_NS: i64 = 60 * SECOND_NS;
 /// Seven digits: a missing value is the largest.
 const MOST: i64 = 9_999_999;
 /// Minutes of a block.
@@ -40,10 +37,9 @@ impl Header {
         let words: Vec<&str> = line.split_whitespace().collect();
         let [station, date, _, _, letters, kind, _, place, base, ..] = words[..] else { return None };
         let letters = elements(letters)?;
-        let month = date.get(..3)?.to_ascii_uppercase();
-        let meant =
-            MONTHS.contains(&month.as_str()) && date.len() == 7 && letters.len() == 4 && kind.len() == 1;
-        let (station, kind, place) = (station.to_string(), kind.to_string(), place.to_string());
+        month(date)?;
+        let meant = date.len() == 7 && letters.len() == 4 && kind.len() == 1;
+        let [station, kind, place] = [station, kind, place].map(String::from);
         let base = base.parse().ok()?;
         meant.then_some((Header { station, letters, kind, place, base }, words))
     }
@@ -57,23 +53,26 @@ impl Header {
     }
 }
 
+/// The number of the month with which a date begins, from 1.
+fn month(date: &str) -> Option<i64> {
+    let name = date.get(..3)?;
+    MONTHS.iter().zip(1..).find(|(month, _)| name.eq_ignore_ascii_case(month)).map(|(_, number)| number)
+}
+
 /// When the hour of a header begins: ns since 1970.
 fn hour_ns(words: &[&str]) -> Option<i64> {
     let number = |text: Option<&str>| text?.parse::<i64>().ok();
     let [date, of_year, hour, ..] = words.get(1..)? else { return None };
-    let month = 1 + MONTHS
-        .iter()
-        .position(|month| date.get(..3).is_some_and(|text| text.eq_ignore_ascii_case(month)))?;
     let (of_month, year) = (number(date.get(3..5))?, number(date.get(5..))?);
     // INTERMAGNET began in 1991.
     let year = year + if year < 70 { 2000 } else { 1900 };
-    let day = clock::day(year, month as i64, of_month)?;
+    let day = clock::day(year, month(date)?, of_month)?;
     let is_it = number(Some(of_year))? == day - clock::day(year, 1, 1)? + 1;
     let hour = number(Some(hour)).filter(|hour| (0..24).contains(hour) && is_it)?;
     Some(day * DAY_NS + hour * 3600 * SECOND_NS)
 }
 
-/// Reads rows and header into the piece; the second value is the base line of D, minutes of arc.
+/// The second value is the base line of D, minutes of arc.
 pub fn read(source: &Source, piece: &mut Piece) -> Result<(Components, Option<f64>), Error> {
     let mut first: Option<Header> = None;
     let mut columns = vec![Vec::new(); 4];
@@ -81,37 +80,34 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<(Components, Option<f6
     let (mut start_ns, mut minutes, mut last) = (0, BLOCK, 1);
     let cut = "60 minutes after each header, missing ones filled with 9; was the file cut?";
     for (number, line) in lines(&source.bytes).filter(|(_, line)| !line.trim_ascii().is_empty()) {
-        let (text, place) = (decoded(line), || Place::Line(number.into()));
+        let text = decoded(line);
+        let refused = |found: String, expected: &str| Err(source.in_line(number, found, expected));
         last = number;
         if let Some((header, words)) = Header::of(&text) {
             if minutes < BLOCK {
-                return Err(source.fault(place(), format!("a header after {minutes} minutes"), cut));
+                return refused(format!("a header after {minutes} minutes"), cut);
             }
-            start_ns = hour_ns(&words).ok_or_else(|| {
+            let Some(ns) = hour_ns(&words) else {
                 let expected = "a day, the same as day of the year, and an hour, as in MAR1024 070 23";
-                source.fault(place(), quoted(words[1..4].join(" ").as_bytes()), expected)
-            })?;
-            minutes = 0;
-            match &first {
-                Some(first) if *first != header => {
-                    let expected = "station, components, data type, place and base line as in the first header; give such files one by one";
-                    return Err(source.fault(place(), quoted(line), expected));
-                }
-                _ => first = Some(header),
+                return refused(quoted(words[1..4].join(" ").as_bytes()), expected);
+            };
+            if first.as_ref().is_some_and(|first| *first != header) {
+                let expected = "station, components, data type, place and base line as in the first header; give such files one by one";
+                return refused(quoted(line), expected);
             }
+            (first, start_ns, minutes) = (Some(header), ns, 0);
             continue;
         }
-        let value = |cell: &str| cell.parse().ok().filter(|value: &i64| (-MOST..=MOST).contains(value));
-        let values: Option<Vec<i64>> = text.split_whitespace().map(value).collect();
-        let (Some(header), Some(values)) = (&first, values.filter(|values| values.len() == 8)) else {
+        let values = whole_numbers(&text, MOST).filter(|values| values.len() == 8);
+        let (Some(header), Some(values)) = (&first, values) else {
             let expected = "eight whole numbers of seven digits at most, four for each of two minutes; was the file cut?";
-            return Err(source.fault(place(), quoted(line), expected));
+            return refused(quoted(line), expected);
         };
         if minutes >= BLOCK {
-            return Err(source.fault(place(), "a row after 60 minutes", "the header of the next hour"));
+            return refused("a row after 60 minutes".into(), "the header of the next hour");
         }
         for minute in values.chunks_exact(4) {
-            piece.times_ns.push(start_ns + minutes * MINUTE_NS);
+            piece.times_ns.push(start_ns + minutes * 60 * SECOND_NS);
             piece.lines.push(number);
             for ((letter, column), value) in header.letters.iter().zip(&mut columns).zip(minute) {
                 column.push(scaled(*value, if matches!(letter, 'D' | 'I') { 100.0 } else { 10.0 }));
@@ -120,7 +116,7 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<(Components, Option<f6
         }
     }
     let Some(first) = first.filter(|_| minutes == BLOCK) else {
-        return Err(source.fault(Place::Line(last.into()), format!("the end after {minutes} minutes"), cut));
+        return Err(source.in_line(last, format!("the end after {minutes} minutes"), cut));
     };
     let [latitude, longitude] = first.degrees();
     piece.station = Some(first.station.clone());

@@ -7,10 +7,10 @@ use faer::Mat;
 use nalgebra::{Matrix3, Vector3};
 use physics::frames::{ARCSEC, angle, matrix};
 
-use crate::conformity::joint::{Joint, adopted};
+use crate::conformity::joint::{Joint, adopted, axes};
+use crate::conformity::spec::Requirement;
 use crate::conformity::temperature::{Part, asked};
 use crate::conformity::verdict::{Shown, ShownValue, shown};
-use crate::conformity::{Requirement, each_sensor};
 
 /// μ with its covariance, as the document has them.
 pub struct Directions {
@@ -26,17 +26,12 @@ pub struct Directions {
 impl Directions {
     /// From `calibration.axes.sensors`. What is missing otherwise, in words.
     pub fn of(document: &Document, joint: &Joint) -> Result<Self, &'static str> {
-        let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-        let rows = axes.and_then(|axes| axes.sensors.as_ref()?.matrix.as_ref());
-        let Some(rows) = rows else {
-            return Err(
-                "the document holds no directions of three sensors; axescal finds them from `axes_orientation`",
-            );
-        };
+        let axes = axes(document);
+        let rows = axes.and_then(|axes| axes.sensors.as_ref()?.matrix.as_ref()).ok_or(
+            "the document holds no directions of three sensors; axescal finds them from `axes_orientation`",
+        )?;
         let mut mu = matrix(rows);
-        mu.column_iter_mut().for_each(|mut column| {
-            column.normalize_mut();
-        });
+        mu.column_iter_mut().for_each(|mut column| _ = column.normalize_mut());
         let fit = axes.and_then(|axes| axes.fit.as_ref());
         let freedom = fit.map(|fit| fit.degrees_of_freedom).filter(|freedom| *freedom > 0.0);
         let covariance = joint.covariance(&uncertainty::directions("sensors"));
@@ -46,7 +41,6 @@ impl Directions {
         Ok(Self { mu, covariance, freedom })
     }
 
-    /// The direction of a sensor.
     pub fn column(&self, axis: Axis) -> Vector3<f64> {
         self.mu.column(axis.index()).into_owned()
     }
@@ -132,23 +126,25 @@ pub fn from_nominal(document: &Document, joint: &Joint, requirement: &Requiremen
 
 /// How far a sensor turns between the reference and the farther end of the temperatures, arcsec: √(a² + b²)
 /// |ΔT|, with a and b of `axis_temperature` in the model. u is the larger of u(a) and u(b), times |ΔT|.
-pub fn over_temperature(document: &Document, requirement: &Requirement) -> Vec<Shown> {
-    each_sensor(document, |axis: Axis| {
-        let [a, b] = turn_per_k(document, axis).ok_or(
+pub fn over_temperature(
+    document: &Document,
+    requirement: &Requirement,
+    axis: Axis,
+) -> Result<ShownValue, String> {
+    let [a, b] = turn_per_k(document, axis).ok_or(
             "the document's model has no `axis_temperature`; record `axes_orientation` at several temperatures, and \
              diagnose shows whether the axes turn",
         )?;
-        let range = asked(document, axis, Part::Sensor, requirement)?;
-        let far = range.warmer.map(f64::abs).into_iter().fold(0.0, f64::max);
-        let std = a.std().zip(b.std()).map(|(a, b)| a.max(b));
-        let std = std.ok_or("`axis_temperature` of the model has no uncertainty; state one")?;
-        Ok(ShownValue {
-            value: a.value().hypot(b.value()) * far,
-            std: std * far,
-            gaps: range.gap.into_iter().collect(),
-            how: format!("{} K from the reference", bare(far)),
-            ..ShownValue::default()
-        })
+    let range = asked(document, axis, Part::Sensor, requirement)?;
+    let far = range.warmer.map(f64::abs).into_iter().fold(0.0, f64::max);
+    let std = a.std().zip(b.std()).map(|(a, b)| a.max(b));
+    let std = std.ok_or("`axis_temperature` of the model has no uncertainty; state one")?;
+    Ok(ShownValue {
+        value: a.value().hypot(b.value()) * far,
+        std: std * far,
+        gaps: range.gap.into_iter().collect(),
+        how: format!("{} K from the reference", bare(far)),
+        ..ShownValue::default()
     })
 }
 

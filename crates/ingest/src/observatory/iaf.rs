@@ -21,10 +21,8 @@ const VERSIONS: [&str; 5] = ["1.00", "1.10", "2.00", "2.10", "2.11"];
 /// A scalar that was missing when G = |vector| − scalar was computed leaves less than this, tenths of nT.
 const LEAST_DIFFERENCE: i32 = -444_400;
 
-/// A day's words.
 struct Day<'a> {
     source: &'a Source,
-    /// The first byte in the file.
     at: usize,
     words: &'a [[u8; 4]],
 }
@@ -74,11 +72,8 @@ impl Day<'_> {
     fn place(&self) -> Result<[f64; 2], Error> {
         for (index, what, range) in [(2, "colatitude", 0..=180_000), (3, "longitude", -180_000..=360_000)] {
             if !range.contains(&self.number(index)) {
-                let expected = format!(
-                    "{} to {}, in thousandths of a degree; was the file damaged?",
-                    range.start(),
-                    range.end()
-                );
+                let (low, high) = range.into_inner();
+                let expected = format!("{low} to {high}, in thousandths of a degree; was the file damaged?");
                 return Err(self.fault(index + 1, format!("the {what} {}", self.number(index)), &expected));
             }
         }
@@ -90,7 +85,6 @@ impl Day<'_> {
     }
 }
 
-/// Reads days and header into the piece.
 pub fn read(source: &Source, piece: &mut Piece) -> Result<Components, Error> {
     let size = source.bytes.len();
     if !size.is_multiple_of(DAY_BYTES) {
@@ -138,9 +132,8 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<Components, Error> {
     }
     if without_scalar > 0 {
         let values = counted(without_scalar, "value");
-        piece
-            .notes
-            .push(format!("{values} of G below −44440 nT, a scalar that was missing, taken as missing"));
+        let note = format!("{values} of G below −44440 nT, a scalar that was missing, taken as missing");
+        piece.notes.push(note);
     }
     let scalar = letters.iter().zip(&columns).find(|(name, _)| **name == 'F');
     if first.version() == Some("1.00") && scalar.is_some_and(|(_, f)| f.iter().any(|value| !value.is_nan())) {

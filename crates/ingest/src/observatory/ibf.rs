@@ -20,7 +20,6 @@ use crate::text::{Source, decoded, lines, quoted};
 /// Beyond the digits that a column has.
 const MOST: f64 = 1e7;
 
-/// The first line.
 pub struct Header {
     letters: Vec<char>,
     /// Annual means of H and, in 2.00, of F, nT.
@@ -45,10 +44,7 @@ impl Header {
         let [components, means @ .., station, year] = words.as_slice() else { return None };
         let known = ["XYZ", "HDZ", "DIF", "UVZ", "DHZ"].iter().any(|known| components.starts_with(known));
         let is_station = station.len() == 3 && station.starts_with(|first: char| first.is_ascii_alphabetic());
-        let means: Vec<f64> = means
-            .iter()
-            .map(|mean| mean.parse().ok().filter(|mean: &f64| mean.abs() < MOST))
-            .collect::<Option<_>>()?;
+        let means: Vec<f64> = means.iter().map(number).collect::<Option<_>>()?;
         let year = year.parse().ok().filter(|year| (1800..2261).contains(year))?;
         let letters = elements(components.get(..3)?)?;
         let fits = known && components.len() <= 4 && is_station && (1..=2).contains(&means.len());
@@ -85,7 +81,6 @@ impl Header {
     }
 }
 
-/// Reads a file.
 pub fn read(source: &Source) -> Result<Piece, Error> {
     let mut rows = lines(&source.bytes).filter(|(_, line)| !line.trim_ascii().is_empty());
     let header =
@@ -95,27 +90,21 @@ pub fn read(source: &Source) -> Result<Piece, Error> {
     let (first, next) = (start(header.year)?, start(header.year + 1)?);
     let (mut days, mut steps, mut comments) = (BTreeMap::<i64, Day>::new(), Vec::new(), Vec::new());
     let mut section = 0;
-    for (number, line) in rows {
+    for (line_number, line) in rows {
         let text = decoded(line);
-        let fault =
-            |found: String, expected: String| Err(source.fault(Place::Line(number.into()), found, expected));
+        let fault = |found: String, expected: String| Err(source.in_line(line_number, found, expected));
         let text = text.trim();
-        match section {
-            0 | 1 if text == "*" => {
-                section += 1;
-                continue;
-            }
-            2 => {
-                comments.push(Value::from(text));
-                continue;
-            }
-            _ => {}
+        if section == 2 {
+            comments.push(Value::from(text));
+            continue;
+        } else if text == "*" {
+            section += 1;
+            continue;
         }
         let mut words: Vec<&str> = text.split_whitespace().collect();
         let adopted = section == 1;
         let mark = words.pop_if(|word| adopted && matches!(*word, "c" | "d" | "C" | "D"));
-        let parse = |word: &&str| word.parse().ok().filter(|number: &f64| number.abs() < MOST);
-        let numbers: Option<Vec<f64>> = words.iter().map(parse).collect();
+        let numbers: Option<Vec<f64>> = words.iter().map(number).collect();
         let most = names.len() + 1 + usize::from(adopted);
         let fits = |count: usize| count == most || (adopted && header.is_old() && count + 1 == most);
         let is_marked = !adopted || header.is_old() || mark.is_some();
@@ -138,7 +127,7 @@ pub fn read(source: &Source) -> Result<Piece, Error> {
                 format!("a day of {}, 1 to {}", header.year, next - first),
             );
         }
-        let entry = days.entry(day).or_insert_with(|| Day { line: number, ..Day::default() });
+        let entry = days.entry(day).or_insert_with(|| Day { line: line_number, ..Day::default() });
         let values = header.values(stored, &names);
         if !adopted {
             entry.observed.push(values);
@@ -174,6 +163,10 @@ pub fn read(source: &Source) -> Result<Piece, Error> {
     Ok(piece)
 }
 
+fn number(word: &&str) -> Option<f64> {
+    word.parse().ok().filter(|number: &f64| number.abs() < MOST)
+}
+
 /// The columns that have a value.
 fn columns(names: &[String], days: &BTreeMap<i64, Day>) -> IndexMap<String, Vec<f64>> {
     let observed = |day: &Day, index: usize| {
@@ -185,15 +178,15 @@ fn columns(names: &[String], days: &BTreeMap<i64, Day>) -> IndexMap<String, Vec<
     let adopted = |day: &Day, index: usize| {
         day.adopted.as_ref().and_then(|values| values.get(index)).copied().unwrap_or(f64::NAN)
     };
-    let of = |name: &String, index| {
-        (format!("observed_baseline_{name}"), days.values().map(|day| observed(day, index)).collect())
-    };
-    let mut columns: IndexMap<String, Vec<f64>> =
-        names.iter().zip(0..).map(|(name, index)| of(name, index)).collect();
-    let names = names.iter().map(|name| format!("adopted_baseline_{name}")).chain(["delta_f_nt".to_string()]);
-    columns.extend(
-        names.zip(0..).map(|(name, index)| (name, days.values().map(|day| adopted(day, index)).collect())),
-    );
-    columns.retain(|_, values| values.iter().any(|value| !value.is_nan()));
+    let mut columns = IndexMap::new();
+    for (index, name) in names.iter().enumerate() {
+        let values = days.values().map(|day| observed(day, index)).collect();
+        columns.insert(format!("observed_baseline_{name}"), values);
+    }
+    let names = names.iter().map(|name| format!("adopted_baseline_{name}")).chain(["delta_f_nt".into()]);
+    for (index, name) in names.enumerate() {
+        columns.insert(name, days.values().map(|day| adopted(day, index)).collect::<Vec<f64>>());
+    }
+    columns.retain(|_, values: &mut Vec<f64>| values.iter().any(|value| !value.is_nan()));
     columns
 }

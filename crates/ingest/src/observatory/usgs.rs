@@ -4,29 +4,18 @@
 use serde_json::Value;
 use tables::Place;
 
+use super::Components;
 use crate::Error;
 use crate::clock::{self, Zone};
 use crate::iaga::letter;
 use crate::piece::Piece;
-use crate::text::Source;
+use crate::text::{Source, list, without_blanks};
 
-/// Bytes at the beginning that are looked at.
-const HEAD: usize = 4096;
-
-/// Whether an object is such a series.
 pub fn is_meant(bytes: &[u8]) -> bool {
-    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(HEAD)]);
-    let head: String = head.chars().filter(|letter| !letter.is_whitespace()).collect();
-    head.contains("\"type\":\"Timeseries\"")
+    without_blanks(bytes).contains("\"type\":\"Timeseries\"")
 }
 
-fn list(value: &Value) -> &[Value] {
-    value.as_array().map_or(&[], Vec::as_slice)
-}
-
-/// Reads rows and header into the piece. Returns the letters of the components and their values, D in minutes
-/// of arc.
-pub fn read(source: &Source, piece: &mut Piece) -> Result<(Vec<char>, Vec<Vec<f64>>), Error> {
+pub fn read(source: &Source, piece: &mut Piece) -> Result<Components, Error> {
     let refused = |found: String, expected: &str| Err(source.fault(Place::Whole, found, expected));
     let object: Value = match serde_json::from_slice(&source.bytes) {
         Ok(object) => object,
@@ -63,17 +52,11 @@ pub fn read(source: &Source, piece: &mut Piece) -> Result<(Vec<char>, Vec<Vec<f6
             let found = format!("{} values of {id} and {} times", values.len(), times.len());
             return refused(found, "as many values as times");
         }
-        let numbers = values.iter().enumerate().map(|(row, value)| match value {
-            Value::Null => Ok(f64::NAN),
-            value => value.as_f64().ok_or((row, value)),
-        });
-        match numbers.collect::<Result<Vec<f64>, _>>() {
-            Ok(numbers) => columns.push(numbers),
-            Err((row, value)) => {
-                return refused(format!("{value} as {id} of row {row}"), "a number, or null");
-            }
+        if let Some(row) = values.iter().position(|value| !(value.is_null() || value.is_number())) {
+            return refused(format!("{} as {id} of row {row}", values[row]), "a number, or null");
         }
         letters.push(letter);
+        columns.push(values.iter().map(|value| value.as_f64().unwrap_or(f64::NAN)).collect());
     }
     Ok((letters, columns))
 }
