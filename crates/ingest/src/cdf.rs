@@ -147,12 +147,8 @@ pub fn read(source: &Source, mapping: &Mapping) -> Result<Piece, Error> {
         if let Some((column, values)) =
             mapping.columns.iter().zip(&rows.columns).find(|(_, values)| values.len() != rows.times_ns.len())
         {
-            let found = format!(
-                "{} of {} and {} of {time}",
-                counted(values.len(), "record"),
-                column.from,
-                rows.times_ns.len()
-            );
+            let (count, from, times) = (counted(values.len(), "record"), &column.from, rows.times_ns.len());
+            let found = format!("{count} of {from} and {times} of {time}");
             let expected = "columns of one time; write a mapping for each time, and join them with --add";
             return Err(source.fault(Place::Whole, found, expected));
         }

@@ -71,12 +71,9 @@ pub fn certain(source: &Source, quantity: &str) -> Result<(Mapping, Vec<String>)
     if guess.doubts.is_empty() {
         return Ok((guess.mapping, guess.notes));
     }
+    let (shown, doubts) = (&source.shown, guess.doubts.join("; "));
     Err(Error::Request(format!(
-        "{}: the file leaves open: {}. Write a mapping with\n  ingest guess {} > map.json\n\
-         look at it, edit it, then\n  ingest --map map.json {}",
-        source.shown,
-        guess.doubts.join("; "),
-        source.shown,
-        source.shown
+        "{shown}: the file leaves open: {doubts}. Write a mapping with\n  ingest guess {shown} > map.json\n\
+         look at it, edit it, then\n  ingest --map map.json {shown}"
     )))
 }

@@ -171,11 +171,8 @@ fn read(source: &Source, options: &Options) -> Result<Piece, Error> {
     let named = matches!(source.kind, Content::NdJson | Content::Parquet | Content::Cdf);
     if let Some(number) = mapping.number().filter(|_| named) {
         let found = format!("a mapping that takes column {number}");
-        return Err(source.fault(
-            tables::Place::Whole,
-            found,
-            "names of columns, which such a file has, in the mapping",
-        ));
+        let expected = "names of columns, which such a file has, in the mapping";
+        return Err(source.fault(tables::Place::Whole, found, expected));
     }
     let mut piece = match source.kind {
         Content::NdJson => ndjson::read(source, &mapping)?,

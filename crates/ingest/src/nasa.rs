@@ -66,7 +66,7 @@ fn whole(file: &[u8]) -> Result<Vec<u8>, Error> {
     let bytes = Bytes(file);
     let mut ccr = bytes.record(8, &[10])?;
     let (cpr, size) = (ccr.offset()?, ccr.u64()?);
-    ccr.skip(4)?;
+    ccr.take(4)?;
     if size > MOST {
         return Err(Error(format!("{size} bytes compressed; at most {MOST} are read")));
     }

@@ -86,12 +86,10 @@ impl Piece {
                 (factor, offset) => values.into_iter().map(|value| value * factor + offset).collect(),
             };
             if let Some(row) = range::first_beyond(&column.to, &values) {
-                let [low, high] = range::bounds(&column.to);
+                let [low, high] = range::bounds(&column.to).map(bare);
                 let found = format!("{} for {}", quoted(values[row]), column.to);
                 let expected = format!(
-                    "a reading between {} and {}; name the value under `missing` of the mapping where it stands for none, or what is a reading under `valid`",
-                    bare(low),
-                    bare(high)
+                    "a reading between {low} and {high}; name the value under `missing` of the mapping where it stands for none, or what is a reading under `valid`"
                 );
                 return Err(source.in_line(rows.lines[row], found, expected));
             }

@@ -16,7 +16,7 @@ pub fn clean(column: &ColumnMapping, values: &mut [f64]) -> (Vec<String>, Option
         let (count, all) = (counted(missing, "fill value"), fills.iter().map(|value| bare(*value)));
         notes.push(format!("{count} ({}) of {name}, taken as missing", all.collect::<Vec<_>>().join(", ")));
     }
-    let no_integer = column.bits.and_then(|bits| Some((signed(values, bits)?, integers(bits))));
+    let no_integer = column.bits.and_then(|bits| signed(values, bits));
     if let Some([low, high]) = column.valid
         && let invalid @ 1.. = without(values, |value| !(low..=high).contains(&value))
     {
@@ -32,24 +32,18 @@ fn without(values: &mut [f64], is_missing: impl Fn(f64) -> bool) -> usize {
 }
 
 /// Two's complement, written without sign, to signed numbers; numbers with their sign stay. The first row
-/// that is neither, if any.
-fn signed(values: &mut [f64], bits: u8) -> Option<usize> {
+/// that is neither, if any, with what was expected.
+fn signed(values: &mut [f64], bits: u8) -> Option<(usize, String)> {
     let (half, all) = (f64::from(bits - 1).exp2(), f64::from(bits).exp2());
     let wrong = |value: &f64| !value.is_nan() && (value.fract() != 0.0 || !(-half..all).contains(value));
-    let first = values.iter().position(wrong);
-    if first.is_none() {
-        values.iter_mut().filter(|value| **value >= half).for_each(|value| *value -= all);
+    if let Some(first) = values.iter().position(wrong) {
+        let (low, high) = (bare(-half), bare(all - 1.0));
+        let expected =
+            format!("a whole number of {bits} bits, {low} to {high}, as the mapping's `bits` says");
+        return Some((first, expected));
     }
-    first
-}
-
-fn integers(bits: u8) -> String {
-    let (half, all) = (f64::from(bits - 1).exp2(), f64::from(bits).exp2());
-    format!(
-        "a whole number of {bits} bits, {} to {}, as the mapping's `bits` says",
-        bare(-half),
-        bare(all - 1.0)
-    )
+    values.iter_mut().filter(|value| **value >= half).for_each(|value| *value -= all);
+    None
 }
 
 #[cfg(test)]

@@ -238,13 +238,8 @@ fn disagreement(pieces: &[Piece], same: &[(i64, u32, u32)], column: &str, values
         (piece, piece.lines[*row as usize])
     };
     let ((first, first_line), (second, line)) = (place(&same[0]), place(&same[same.len() - 1]));
-    let found = format!(
-        "{column} {} at {}, where {}, line {first_line} has {}",
-        values[1],
-        said(second.clock, same[0].0),
-        first.shown,
-        values[0]
-    );
+    let ([kept, other], at, shown) = (values, said(second.clock, same[0].0), &first.shown);
+    let found = format!("{column} {other} at {at}, where {shown}, line {first_line} has {kept}");
     let expected =
         "one reading for each time; --keep first or --keep last selects the file to use where they disagree";
     fault(&second.shown, Place::Line(line.into()), found, expected)

@@ -47,10 +47,8 @@ pub fn summary(page: &Page) -> String {
     let conformity = page.sections.iter().find(|section| section.id == conformity::ID);
     let verdicts = conformity.and_then(|section| section.words.first());
     let verdicts = verdicts.map_or(String::new(), |words| format!("\n  conformity: {words}"));
-    format!(
-        "report: {}, {}, {}{verdicts}",
-        counted(page.sections.len(), "section"),
-        counted(plots, "plot"),
-        counted(findings, "finding")
-    )
+    let [sections, plots, findings] =
+        [(page.sections.len(), "section"), (plots, "plot"), (findings, "finding")]
+            .map(|(n, of)| counted(n, of));
+    format!("report: {sections}, {plots}, {findings}{verdicts}")
 }

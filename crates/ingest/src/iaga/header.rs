@@ -27,6 +27,7 @@ const LABELS: [&str; 13] = [
 /// Records before the titles that are read at most.
 const MOST: u32 = 100_000;
 
+#[derive(Default)]
 pub struct Header {
     /// The station's code; None where it is blank.
     pub station: Option<String>,
@@ -40,13 +41,7 @@ pub struct Header {
 
 impl Header {
     pub fn read(source: &Source) -> Result<Self, Error> {
-        let mut header = Header {
-            station: None,
-            titles_line: 0,
-            titles: Vec::new(),
-            records: Vec::new(),
-            comments: Vec::new(),
-        };
+        let mut header = Header::default();
         for (number, line) in lines(&source.bytes).take_while(|(number, _)| *number < MOST) {
             let text = without_bar(line);
             let inner = text.trim_start();
@@ -114,11 +109,9 @@ impl Header {
             if !trust_rows {
                 let record = self.records.iter().find(|(_, label, _)| label == "Reported");
                 let line = record.map_or(0, |record| record.0);
-                return Err(source.in_line(
-                    line,
-                    format!("the components {reported} where the titles of the columns say {titles}"),
-                    "the same in both; correct the header, or use the titles with --trust-rows",
-                ));
+                let found = format!("the components {reported} where the titles of the columns say {titles}");
+                let expected = "the same in both; correct the header, or use the titles with --trust-rows";
+                return Err(source.in_line(line, found, expected));
             }
             notes.push(format!("the header says {reported}, the titles say {titles}; the titles are used"));
         }

@@ -209,12 +209,8 @@ impl ColumnMapping {
                 }),
                 (None, Some(_)) => scaled,
                 (None, None) => {
-                    let expected = format!("`scale`: how many {target} one {unit} is");
-                    refused(
-                        "scale",
-                        format!("none for {from}, which becomes {} from {unit}", self.to),
-                        expected,
-                    )
+                    let found = format!("none for {from}, which becomes {} from {unit}", self.to);
+                    refused("scale", found, format!("`scale`: how many {target} one {unit} is"))
                 }
             },
         }

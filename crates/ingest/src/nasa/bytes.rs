@@ -49,16 +49,8 @@ impl<'a> Record<'a> {
         Ok(taken)
     }
 
-    pub fn skip(&mut self, count: usize) -> Result<(), Error> {
-        self.take(count).map(drop)
-    }
-
     pub fn u32(&mut self) -> Result<u32, Error> {
         Ok(self.take(4)?.iter().fold(0, |sum, byte| sum << 8 | u32::from(*byte)))
-    }
-
-    pub fn i32(&mut self) -> Result<i32, Error> {
-        Ok(self.u32()? as i32)
     }
 
     pub fn u64(&mut self) -> Result<u64, Error> {

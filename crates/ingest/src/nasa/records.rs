@@ -20,7 +20,7 @@ struct File<'a> {
 pub fn read(bytes: &Bytes<'_>) -> Result<Cdf, Error> {
     let mut cdr = bytes.record(8, &[1])?;
     let gdr_at = cdr.offset()?;
-    cdr.skip(8)?;
+    cdr.take(8)?;
     let (encoding, flags) = (cdr.u32()?, cdr.u32()?);
     let little = match encoding {
         1 | 2 | 5 | 7 | 9 | 11 | 12 | 18 => false,
@@ -37,9 +37,9 @@ pub fn read(bytes: &Bytes<'_>) -> Result<Cdf, Error> {
     }
     let mut gdr = bytes.record(gdr_at, &[2])?;
     let [r_variables, z_variables, attributes] = [gdr.offset()?, gdr.offset()?, gdr.offset()?];
-    gdr.skip(8 + 4 + 4 + 4)?;
+    gdr.take(8 + 4 + 4 + 4)?;
     let dimensions = gdr.u32()? as usize;
-    gdr.skip(4 + 8 + 4 + 4 + 4)?;
+    gdr.take(4 + 8 + 4 + 4 + 4)?;
     let dimensions = sizes(&mut gdr, dimensions)?;
     let file = File { bytes, little, dimensions };
     let mut variables = Vec::new();
@@ -91,14 +91,14 @@ impl File<'_> {
         let mut vdr = self.bytes.record(at, &[record_kind])?;
         let next = vdr.offset()?;
         let kind = ValueType::of(vdr.u32()?)?;
-        let records = usize::try_from(i64::from(vdr.i32()?) + 1).unwrap_or(0);
+        let records = usize::try_from(i64::from(vdr.u32()? as i32) + 1).unwrap_or(0);
         let index = vdr.offset()?;
         vdr.offset()?;
         let (flags, sparse) = (vdr.u32()?, vdr.u32()?);
-        vdr.skip(12)?;
+        vdr.take(12)?;
         let (elements, number) = (vdr.u32()? as usize, vdr.u32()?);
         let compression_at = vdr.offset()?;
-        vdr.skip(4)?;
+        vdr.take(4)?;
         let name = vdr.name()?;
         let all = if record_kind == 8 {
             let count = vdr.u32()? as usize;
@@ -134,19 +134,19 @@ impl File<'_> {
         let next = adr.offset()?;
         let r_entries = adr.offset()?;
         let is_global = matches!(adr.u32()?, 1 | 3);
-        adr.skip(16)?;
+        adr.take(16)?;
         let z_entries = adr.offset()?;
-        adr.skip(12)?;
+        adr.take(12)?;
         let name = adr.name()?;
         let mut global = Vec::new();
         for (head, entry_kind, variable_kind) in [(r_entries, 5, 3), (z_entries, 9, 8)] {
             each(head, |at| {
                 let mut entry = self.bytes.record(at, &[entry_kind])?;
                 let next = entry.offset()?;
-                entry.skip(4)?;
+                entry.take(4)?;
                 let (kind, number, elements) =
                     (ValueType::of(entry.u32()?)?, entry.u32()?, entry.u32()? as usize);
-                entry.skip(20)?;
+                entry.take(20)?;
                 let size = elements
                     .checked_mul(kind.bytes())
                     .ok_or_else(|| Error("a broken CDF: an attribute without a size".into()))?;

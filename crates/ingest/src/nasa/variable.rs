@@ -111,7 +111,7 @@ impl Layout {
                 })?;
                 let compressed = block.kind == 13;
                 if compressed {
-                    block.skip(4)?;
+                    block.take(4)?;
                     block.u64()?;
                 }
                 let packed = self.compression.filter(|_| compressed);

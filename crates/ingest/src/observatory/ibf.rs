@@ -122,10 +122,8 @@ pub fn read(source: &Source) -> Result<Piece, Error> {
         };
         let day = first - 1 + *of_year as i64;
         if of_year.fract() != 0.0 || !(first..next).contains(&day) {
-            return fault(
-                format!("day {of_year}"),
-                format!("a day of {}, 1 to {}", header.year, next - first),
-            );
+            let expected = format!("a day of {}, 1 to {}", header.year, next - first);
+            return fault(format!("day {of_year}"), expected);
         }
         let entry = days.entry(day).or_insert_with(|| Day { line: line_number, ..Day::default() });
         let values = header.values(stored, &names);

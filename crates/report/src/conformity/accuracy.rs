@@ -84,29 +84,24 @@ impl Budget {
             match calibrated_nt(found) {
                 Some(reached) if reached < asked_nt => {
                     along_nt[axis.index()] = reached;
-                    let gap = format!(
-                        "calibrated up to {} nT (`sensor_sensitivity` up to {} nT would show the rest)",
-                        bare(reached),
-                        bare(asked_nt)
-                    );
-                    gaps.add(axis, &gap);
+                    let [reached, asked] = [reached, asked_nt].map(bare);
+                    let rest = format!("(`sensor_sensitivity` up to {asked} nT would show the rest)");
+                    gaps.add(axis, &format!("calibrated up to {reached} nT {rest}"));
                 }
                 Some(_) => {}
-                None => gaps.add(
-                    axis,
-                    "its calibrated range of fields is unknown (`sensor_sensitivity` would show it)",
-                ),
+                None => {
+                    let gap =
+                        "its calibrated range of fields is unknown (`sensor_sensitivity` would show it)";
+                    gaps.add(axis, gap);
+                }
             }
             let across = found.cross_field.as_ref().map(|fit| fit.levels.across_nt.iter());
             let across = across.map(|fields| fields.fold(0.0, |most: f64, field| most.max(field.abs())));
             if let Some(across) = across.filter(|across| *across < asked_nt) {
                 range_nt = range_nt.min(across);
-                let gap = format!(
-                    "transverse fields were applied up to {} nT (`cross_field` up to {} nT would show the rest)",
-                    bare(across),
-                    bare(asked_nt)
-                );
-                gaps.add(axis, &gap);
+                let [across, asked] = [across, asked_nt].map(bare);
+                let rest = format!("(`cross_field` up to {asked} nT would show the rest)");
+                gaps.add(axis, &format!("transverse fields were applied up to {across} nT {rest}"));
             }
         }
         let ends = |part: Part| {
@@ -210,10 +205,9 @@ fn words(size: f64, terms: &[(&'static str, f64)], case: &Case) -> String {
     let largest = terms.iter().take(4).filter(|(_, std)| *std > 0.0);
     let largest: Vec<String> =
         largest.map(|(name, std)| format!("{name} {}", significant(*std, 2))).collect();
+    let (size, largest) = (significant(size, 3), largest.join(", "));
     format!(
-        "|e| + k u = {} nT, with a field of ({field}) nT, the sensors {sensor} K and the electronics {electronics} K from the reference; mainly from {}",
-        significant(size, 3),
-        largest.join(", ")
+        "|e| + k u = {size} nT, with a field of ({field}) nT, the sensors {sensor} K and the electronics {electronics} K from the reference; mainly from {largest}"
     )
 }
 

@@ -30,10 +30,9 @@ pub fn zero_to_peak(
     let fastest = noise.series.iter().max_by(|a, b| a.rate_hz.total_cmp(&b.rate_hz));
     let fastest = fastest.filter(|series| series.rate_hz >= 2.0 * band[1] * (1.0 - 1e-9));
     let fastest = fastest.ok_or_else(|| {
+        let [rate, up_to] = [2.0 * band[1], band[1]].map(bare);
         format!(
-            "no series of `sensor_noise` has the {} readings a second that show noise up to {} Hz",
-            bare(2.0 * band[1]),
-            bare(band[1])
+            "no series of `sensor_noise` has the {rate} readings a second that show noise up to {up_to} Hz"
         )
     })?;
     let spectrum = Spectrum::of(noise, fastest);

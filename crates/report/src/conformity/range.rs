@@ -58,14 +58,11 @@ pub fn calibrated_nt(sensor: &SensorCalibration) -> Option<f64> {
 pub fn resolution(document: &Document, axis: Axis) -> Result<ShownValue, String> {
     let [declared, seen] = codes_nt(document, axis);
     let (value, how) = match (declared, seen) {
-        (Some(declared), Some(seen)) if (seen / declared - 1.0).abs() > UNLIKE => (
-            declared.max(seen),
-            format!(
-                "declared {} nT, the noise recordings show {} nT; the larger counts",
-                significant(declared, 3),
-                significant(seen, 3)
-            ),
-        ),
+        (Some(declared), Some(seen)) if (seen / declared - 1.0).abs() > UNLIKE => {
+            let [said, shown] = [declared, seen].map(|nt| significant(nt, 3));
+            let how = format!("declared {said} nT, the noise recordings show {shown} nT; the larger counts");
+            (declared.max(seen), how)
+        }
         (Some(declared), Some(seen)) => {
             (declared.max(seen), "as declared and as the noise recordings show".into())
         }

@@ -82,13 +82,8 @@ fn plot(out: &mut String, plot: &Plot) {
         };
         let x = span(&mut series.points.iter().map(|point| point.x));
         let y = span(&mut series.points.iter().map(|point| point.y));
-        let _ = writeln!(
-            out,
-            "  {}: {}, {} {x}, {} {y}",
-            plain(&series.name),
-            number::counted(series.values().count(), "point"),
-            plain(&plot.x.text()),
-            plain(&plot.y.text())
-        );
+        let [name, x_text, y_text] = [&series.name, &plot.x.text(), &plot.y.text()].map(|text| plain(text));
+        let points = number::counted(series.values().count(), "point");
+        let _ = writeln!(out, "  {name}: {points}, {x_text} {x}, {y_text} {y}");
     }
 }

@@ -216,10 +216,9 @@ pub fn flagged(document: &Document) -> Vec<Finding> {
         let counts = counts.filter(|(_, count)| *count > 0);
         let counts: Vec<String> =
             counts.map(|(bit, count)| format!("{bit} in {}", counted(count, "row"))).collect();
+        let (id, counts) = (&recording.id, counts.join(", "));
         let words = format!(
-            "{}: flagged in `field_flags`: {}; the page of `correct` says what each flag means",
-            recording.id,
-            counts.join(", ")
+            "{id}: flagged in `field_flags`: {counts}; the page of `correct` says what each flag means"
         );
         let finding = Finding::of(words, Effect::Unstated("left out of the result"));
         let first = flags.iter().position(|flags| *flags != 0.0)?;
