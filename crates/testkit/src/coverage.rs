@@ -2,14 +2,12 @@
 
 use std::env;
 
-/// How many campaigns a test of coverage makes: FLUXCAL_CAMPAIGNS, or as many as `usual` in a run of all
-/// tests.
+/// How many campaigns a test of coverage makes: FLUXCAL_CAMPAIGNS, or `usual`.
 pub fn campaigns(usual: u64) -> u64 {
     number("FLUXCAL_CAMPAIGNS").unwrap_or(usual)
 }
 
-/// Every `step`-th of the cases, or all with FLUXCAL_CASES=all: a long test's small version in a run of all
-/// tests.
+/// Every `step`-th of the cases, or all with FLUXCAL_CASES=all.
 pub fn some<T>(cases: Vec<T>, step: usize) -> Vec<T> {
     let step = if env::var("FLUXCAL_CASES").is_ok_and(|which| which == "all") { 1 } else { step };
     cases.into_iter().step_by(step).collect()

@@ -63,8 +63,23 @@ pub fn faults_in<'a>(
     program: &str,
     (tables, lines): (&'a [&'a str], &'a [(&'a str, &'a [&'a str])]),
 ) {
-    let of_tables =
+    let tables =
         tables.iter().map(|name| (*name, run_in(program, folder, &["stream", &format!("{name}.csv")])));
-    let of_lines = lines.iter().map(|(name, words)| (*name, run_in(program, folder, words)));
-    as_expected(&fixture(messages), of_tables.chain(of_lines));
+    let lines = lines.iter().map(|(name, words)| (*name, run_in(program, folder, words)));
+    as_expected(&fixture(messages), tables.chain(lines));
+}
+
+/// Each of these command lines, run in a folder, is refused with what stands below it (`\n` is the end of a line): exit
+/// code 2, nothing on standard output, and no file more. Gives the number of command lines.
+pub fn refusals(program: &str, folder: &Path, faults: &str) -> usize {
+    let files = || fs::read_dir(folder).expect("a folder").count();
+    let (before, lines) = (files(), faults.trim().lines().collect::<Vec<&str>>());
+    for fault in lines.chunks_exact(2) {
+        let (asked, message) = (fault[0], fault[1].trim().replace("\\n", "\n"));
+        let run = run_in(program, folder, &asked.split(' ').collect::<Vec<&str>>());
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{asked}: {}", run.stderr);
+        assert!(run.stderr.contains(&message), "{asked}: {}", run.stderr);
+        assert_eq!(files(), before, "{asked}");
+    }
+    lines.len() / 2
 }

@@ -40,7 +40,6 @@ pub fn golden(case: &str, input: &str, run: impl FnOnce(&str) -> String) {
     assert!(differences.is_empty(), "{case}:\n{}", differences.join("\n"));
 }
 
-/// All texts of a document but those of its history.
 fn words(value: &Value) -> Vec<String> {
     match value {
         Value::String(text) => vec![text.clone()],
@@ -57,7 +56,6 @@ pub fn bless() -> bool {
     std::env::var_os("BLESS").is_some()
 }
 
-/// Collects the differences of two JSON values.
 fn compare(
     path: &str,
     found: &Value,
@@ -71,8 +69,7 @@ fn compare(
             let own = tolerances.iter().filter(|(prefix, _)| path.starts_with(prefix.as_str()));
             let longest = own.max_by_key(|(prefix, _)| prefix.len()).map(|(_, tolerance)| *tolerance);
             let tolerance = longest.or(tolerances.get("default").copied()).unwrap_or_default();
-            let close = (a - b).abs() <= tolerance.absolute + tolerance.relative * b.abs();
-            if !close {
+            if (a - b).abs() > tolerance.absolute + tolerance.relative * b.abs() {
                 differences.push(format!("{path}: {a} where {b} is expected"));
             }
         }

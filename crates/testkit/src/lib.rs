@@ -14,7 +14,7 @@ pub mod reference;
 mod words;
 
 pub use coverage::{agrees, campaigns, number, some};
-pub use faults::{faults, faults_in, pieces};
+pub use faults::{faults, faults_in, pieces, refusals};
 pub use golden::{bless, golden};
 pub use jacobian::check_jacobian;
 pub use partials::partials_merge;

@@ -89,9 +89,8 @@ impl Close {
                     for (place, ((a, b), allowed)) in a.iter().zip(&b).zip(allowed).enumerate() {
                         let by = if a.is_nan() && b.is_nan() { 0.0 } else { (a - b).abs() };
                         if by.is_nan() || by > allowed {
-                            out.push(format!(
-                                "{path}[{place}]: {a} where {b} is expected, allowed {allowed:.2e}"
-                            ));
+                            let off = format!("{a} where {b} is expected, allowed {allowed:.2e}");
+                            out.push(format!("{path}[{place}]: {off}"));
                         }
                     }
                     return;

@@ -7,7 +7,6 @@ use serde_json::{Map, Value, json};
 use super::draw::Draw;
 use super::walk::{covariance, matrix, objects, recordings};
 
-/// A rotation.
 type Rotation = [[f64; 3]; 3];
 
 /// A rotation by up to about two rad about an axis, both drawn from a seed.
@@ -25,10 +24,7 @@ pub fn rotation(seed: u64) -> Rotation {
 /// GEO turned by Q, B' = Q B: R' = R Qᵀ, η' = Q η, and so every vector in GEO. An orientation or η that is
 /// not stated is the identity, and is stated then. Standard uncertainties of vectors in GEO are taken out,
 /// since their covariance is not stated.
-///
-/// # Panics
-///
-/// Of theodolite angles, which count from the vertical: state orientations as matrices.
+/// Panics: of theodolite angles, which count from the vertical: state orientations as matrices.
 pub fn rotate_geo(document: &Value, q: &Rotation) -> Value {
     let mut turned = document.clone();
     let q = Mat::from_fn(3, 3, |i, j| q[i][j]);
@@ -46,7 +42,7 @@ pub fn rotate_geo(document: &Value, q: &Rotation) -> Value {
     if let Some(calibration) = turned.get_mut("calibration").and_then(Value::as_object_mut) {
         calibrated(calibration, &q);
     }
-    objects(&mut turned, &mut |object| vectors(object, &q));
+    objects(&mut turned, "", &mut |_, object| vectors(object, &q));
     turned
 }
 
@@ -84,7 +80,6 @@ fn turn_of(names: &[String], q: &Mat<f64>) -> Mat<f64> {
     })
 }
 
-/// Three columns.
 fn series(columns: &mut Map<String, Value>, quantity: &str, q: &Mat<f64>) {
     let names = ["x", "y", "z"].map(|axis| format!("{quantity}_{axis}_nt"));
     if names.iter().all(|name| !columns.contains_key(name)) {

@@ -15,7 +15,7 @@ pub fn quiet(plan: &Value) -> Value {
     }
     quiet["facility"]["reference_std_nt"] = 0.0.into();
     quiet["facility"]["voltmeter"] = json!({});
-    objects(&mut quiet["facility"], &mut |object| {
+    objects(&mut quiet["facility"], "", &mut |_, object| {
         object.remove("resistor_relative_uncertainty");
     });
     quiet
@@ -39,7 +39,7 @@ pub fn double_noise(document: &Value, quiet: &Value) -> Value {
         }
     }
     for part in ["facility", "instrument", "calibration"] {
-        objects(&mut doubled[part], &mut |object| {
+        objects(&mut doubled[part], "", &mut |_, object| {
             for (name, value) in object.iter_mut() {
                 match declared(name) {
                     0 => {}

@@ -6,10 +6,7 @@ use super::walk::is_prose;
 
 /// Renames x to y, y to z and z to x, of sensors, coils, SEN and GEO together (north to east to down): the
 /// same campaign in frames that are turned by a third about their diagonal.
-///
-/// # Panics
-///
-/// Of theodolite angles, which count from the vertical and have no such name: state orientations as matrices.
+/// Panics: of theodolite angles, which count from the vertical and have no such name: state orientations as matrices.
 pub fn rename_axes(document: &Value) -> Value {
     renamed("", document)
 }
@@ -48,7 +45,6 @@ fn renamed(key: &str, value: &Value) -> Value {
     }
 }
 
-/// Three lists of three numbers.
 fn is_of_axes(list: &[Value]) -> bool {
     let is_row =
         |row: &Value| row.as_array().is_some_and(|row| row.len() == 3 && row.iter().all(Value::is_number));

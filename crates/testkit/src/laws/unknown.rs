@@ -1,6 +1,6 @@
 //! Keys that no version knows.
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use super::walk::objects;
 
@@ -12,27 +12,18 @@ const DATA: [&str; 2] = ["columns", "parameters"];
 /// The document with such a key in every object, but for those whose keys are data.
 pub fn unknown_keys(document: &Value) -> Value {
     let mut asked = document.clone();
-    insert(&mut asked, "");
-    asked
-}
-
-fn insert(value: &mut Value, name: &str) {
-    match value {
-        Value::Array(list) => list.iter_mut().for_each(|item| insert(item, name)),
-        Value::Object(object) => {
-            object.iter_mut().for_each(|(name, value)| insert(value, name));
-            if !DATA.contains(&name) {
-                object.insert(KEY.into(), json!({"of": [name, {"value": null}]}));
-            }
+    objects(&mut asked, "", &mut |name, object| {
+        if !DATA.contains(&name) {
+            object.insert(KEY.into(), json!({"of": [name, {"value": null}]}));
         }
-        _ => {}
-    }
+    });
+    asked
 }
 
 /// The document without them.
 pub fn without_unknown_keys(document: &Value) -> Value {
     let mut known = document.clone();
-    objects(&mut known, &mut |object: &mut Map<String, Value>| {
+    objects(&mut known, "", &mut |_, object| {
         object.remove(KEY);
     });
     known

@@ -4,7 +4,7 @@ use common::covariance::rows;
 use faer::diag::DiagRef;
 use serde_json::{Map, Value};
 
-use super::walk::{self, covariance, numbers, words};
+use super::walk::{covariance, numbers};
 
 /// Volts and amperes by another measure, of which there are `factor` times as many: readings and drives grow
 /// by it, and nT/V and nT/A shrink. Resistances stay.
@@ -44,7 +44,7 @@ fn power(name: &str, value: &Value) -> i32 {
         "sensitivity" | "sensitivity_std" if plain => return -1,
         _ => {}
     }
-    let all: Vec<&str> = words(name).collect();
+    let all: Vec<&str> = name.split(|c: char| !c.is_ascii_alphanumeric()).collect();
     let electrical = |word: &str| match word {
         "v" | "a" => 1,
         "a2" => 2,
@@ -70,7 +70,7 @@ fn shift(object: &mut Map<String, Value>, factor: f64) {
     let Some(name) = object.get("parameter").and_then(Value::as_str) else { return };
     let power = power(name.rsplit('.').next().unwrap_or(name), &Value::Null);
     if let Some(shift) = object.get_mut("shift") {
-        walk::numbers(shift, &|number| number * factor.powi(power));
+        numbers(shift, &|number| number * factor.powi(power));
     }
 }
 

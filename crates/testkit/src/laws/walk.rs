@@ -3,11 +3,6 @@
 use faer::Mat;
 use serde_json::{Map, Value};
 
-/// The words of a name: `sensor_x_v` is sensor, x, v.
-pub fn words(name: &str) -> impl Iterator<Item = &str> {
-    name.split(|c: char| !c.is_ascii_alphanumeric())
-}
-
 /// Whether a text is for people: names, ids and choices have no space.
 pub fn is_prose(text: &str) -> bool {
     text.contains(' ')
@@ -28,13 +23,13 @@ pub fn numbers(value: &mut Value, change: &dyn Fn(f64) -> f64) {
     }
 }
 
-/// Every object below, the inner ones first.
-pub fn objects(value: &mut Value, change: &mut dyn FnMut(&mut Map<String, Value>)) {
+/// Every object below with its key, that of the list it stands in, the inner ones first.
+pub fn objects(value: &mut Value, key: &str, change: &mut dyn FnMut(&str, &mut Map<String, Value>)) {
     match value {
-        Value::Array(list) => list.iter_mut().for_each(|item| objects(item, change)),
+        Value::Array(list) => list.iter_mut().for_each(|item| objects(item, key, change)),
         Value::Object(object) => {
-            object.values_mut().for_each(|item| objects(item, change));
-            change(object);
+            object.iter_mut().for_each(|(key, item)| objects(item, key, change));
+            change(key, object);
         }
         _ => {}
     }
