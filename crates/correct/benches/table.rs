@@ -19,17 +19,8 @@ fn main() {
         make(&readings, rows);
         let fields = path("fields");
         let correct = |calibration: &Document| {
-            let request = Request {
-                calibration,
-                readings: None,
-                recording: None,
-                frame: Frame::Sen,
-                input: Some(&readings),
-                input_format: None,
-                output: Some(&fields),
-                output_format: None,
-                station: None,
-            };
+            let request =
+                Request { input: Some(&readings), output: Some(&fields), ..Request::of(calibration) };
             correct_table(&request).expect("corrected");
         };
         let plain = fastest(|| correct(&without));

@@ -97,7 +97,6 @@ impl Limits {
     }
 }
 
-/// The smallest and the largest of a series.
 fn span(series: &[f64]) -> Option<[f64; 2]> {
     let known = series.iter().copied().filter(|value| value.is_finite());
     known.fold(None, |span: Option<[f64; 2]>, value| {

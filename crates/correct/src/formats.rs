@@ -3,7 +3,6 @@
 
 mod cdf;
 mod iaga;
-pub(crate) mod ibf;
 mod imagcdf;
 mod imf;
 
@@ -46,11 +45,12 @@ pub struct Station<'a> {
 }
 
 /// What headers say.
+#[derive(Clone)]
 struct About {
     code: String,
     /// Degrees north, degrees east from 0 to 360, metres.
     place: Option<[f64; 3]>,
-    /// From one row to the next; None where there is one row.
+    /// From one row to the next; None where there is one row, or none so far.
     step_s: Option<f64>,
     /// Whether baselines were adopted for the data.
     is_adjusted: bool,
@@ -65,17 +65,13 @@ struct Row {
     scalar_nt: Option<f64>,
 }
 
-/// Requirements of a format.
 struct Rules {
-    /// As errors call the format.
     name: &'static str,
     /// Letters of a station's code at most.
     letters: usize,
-    /// The resolution of its times, ns.
     resolution_ns: i64,
 }
 
-/// How rows become bytes.
 trait Format {
     /// The next row. Errors say what is expected.
     fn row(&mut self, row: &Row, bytes: &mut Vec<u8>) -> Result<(), String>;
@@ -93,26 +89,22 @@ impl Observatory {
     }
 
     /// The format, and what stands before the rows.
-    fn begin(self, about: About, bytes: &mut Vec<u8>) -> Result<Box<dyn Format>, Error> {
+    fn begin(self, about: &About, bytes: &mut Vec<u8>) -> Result<Box<dyn Format>, Error> {
         Ok(match self {
-            Observatory::Iaga => Box::new(iaga::Iaga::begin(&about, bytes)),
+            Observatory::Iaga => Box::new(iaga::Iaga::begin(about, bytes)),
             Observatory::Imf => Box::new(imf::Imf::begin(about)?),
-            Observatory::ImagCdf => Box::new(imagcdf::ImagCdf::begin(about)),
+            Observatory::ImagCdf => Box::new(imagcdf::ImagCdf::begin(about.clone())),
         })
     }
 }
 
-/// A file that is being written.
 pub struct Written {
     sink: Sink,
     observatory: Observatory,
-    code: String,
-    place: Option<[f64; 3]>,
-    is_adjusted: bool,
+    about: About,
     /// When `time_s` is zero, since 1970.
     start_ns: i64,
     last_ns: Option<i64>,
-    /// Rows so far.
     count: u64,
     /// There from the first row on.
     format: Option<Box<dyn Format>>,
@@ -120,10 +112,7 @@ pub struct Written {
 
 impl Written {
     /// Opens a file, or standard output.
-    ///
-    /// # Errors
-    ///
-    /// An invalid code; a recording without `start`; a file that cannot be written.
+    /// Errors: an invalid code; a recording without `start`; a file that cannot be written.
     pub fn create(
         output: Option<&Path>,
         station: Station<'_>,
@@ -144,9 +133,7 @@ impl Written {
         Ok(Self {
             sink: Sink::open(output)?,
             observatory: station.format,
-            code,
-            place,
-            is_adjusted,
+            about: About { code, place, step_s: None, is_adjusted },
             start_ns: (start.unix_s * 1e6).round() as i64 * 1000,
             last_ns: None,
             count: 0,
@@ -155,26 +142,19 @@ impl Written {
     }
 
     /// Writes rows. False: the reader of standard output has gone.
-    ///
-    /// # Errors
-    ///
-    /// Rows without a time, out of order, or as the format cannot hold them.
+    /// Errors: rows without a time, out of order, or as the format cannot hold them.
     pub fn write(&mut self, recording: &Recording, corrected: &Corrected) -> Result<bool, Error> {
         let rules = self.observatory.rules();
         let Some(times) = recording.column("time_s") else {
-            return Err(Error::Request(format!(
-                "found no column time_s; {} has a time in each row",
-                rules.name
-            )));
+            let words = format!("found no column time_s; {} has a time in each row", rules.name);
+            return Err(Error::Request(words));
         };
         let mut bytes = Vec::new();
         let mut format = match self.format.take() {
             Some(format) => format,
             None => {
-                let step_s = length_and_step_s(times).map(|[_, step_s]| step_s);
-                let Self { code, place, is_adjusted, .. } = self;
-                let about = About { code: code.clone(), place: *place, step_s, is_adjusted: *is_adjusted };
-                self.observatory.begin(about, &mut bytes)?
+                self.about.step_s = length_and_step_s(times).map(|[_, step_s]| step_s);
+                self.observatory.begin(&self.about, &mut bytes)?
             }
         };
         let scalar = recording.column("reference_nt");
@@ -223,10 +203,8 @@ impl Written {
     /// Writes what is left, and gives the file its name.
     pub fn finish(mut self) -> Result<(), Error> {
         let Some(format) = self.format.as_mut().filter(|_| self.count > 0) else {
-            return Err(Error::Request(format!(
-                "found no rows; expected one at least for {}",
-                self.observatory.rules().name
-            )));
+            let name = self.observatory.rules().name;
+            return Err(Error::Request(format!("found no rows; expected one at least for {name}")));
         };
         let mut bytes = Vec::new();
         format.end(&mut bytes);
@@ -235,7 +213,7 @@ impl Written {
 }
 
 /// A station's code in capitals.
-fn station_code(code: &str, letters: usize) -> Result<String, Error> {
+pub(crate) fn station_code(code: &str, letters: usize) -> Result<String, Error> {
     if (3..=letters).contains(&code.len()) && code.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
         return Ok(code.to_ascii_uppercase());
     }

@@ -1,16 +1,13 @@
 //! What the correction rests on: the uncertainties of the parameters of the chain behind the field, jointly.
 
 use common::uncertainty::{self, By, root};
-use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
+use common::{Axis, Document, Quantity, Uncertainty};
 use faer::{ColRef, Mat};
 use physics::frames::{matrix, tangents};
 use physics::{Direction, EffectInstance, Parameter, Role, Unit};
 
 /// A parameter of the chain as a sum of parameters of the document.
-struct Stated {
-    parameter: Parameter,
-    by: Vec<(String, f64)>,
-}
+type Stated = (Parameter, Vec<(String, f64)>);
 
 /// Independent sources of uncertainty of a document with its joint uncertainty, by how each moves the
 /// parameters of the chain; their outer products add up to the covariance. For readings in `unit`: k and O of
@@ -26,28 +23,25 @@ pub fn sources(
         Axis::ALL.iter().flat_map(|axis| constants(document, *axis, unit)).collect();
     stated.extend(turns(document));
     stated.extend(model(document, effects, places));
-    let all = joint.covariance_by(&by(&stated));
+    let of = |at: usize, weight: f64| {
+        (0..stated.len()).map(|other| if other == at { weight } else { 0.0 }).collect()
+    };
+    let by = stated.iter().enumerate();
+    let by: By = by
+        .flat_map(|(at, (_, by))| by.iter().map(move |(path, weight)| (path.clone(), of(at, *weight))))
+        .collect();
+    let all = joint.covariance_by(&by);
     let moving: Vec<usize> = (0..stated.len()).filter(|at| all[(*at, *at)] != 0.0).collect();
     let covariance = Mat::from_fn(moving.len(), moving.len(), |a, b| all[(moving[a], moving[b])]);
     // No more sources than parameters, and each beginning one parameter later.
     let sources = root(&covariance).map_err(|found| {
         common::Error::document("calibration.uncertainty", found, "moves that make a covariance")
     })?;
-    let parameters = || moving.iter().map(|at| stated[*at].parameter);
+    let parameters = || moving.iter().map(|at| stated[*at].0);
     let direction = |moves: ColRef<'_, f64>| {
         parameters().zip(moves.iter().copied()).filter(|(_, moved)| *moved != 0.0).collect()
     };
     Ok(sources.col_iter().map(direction).collect())
-}
-
-/// The parameters of the chain by how they move with those of the document.
-fn by(stated: &[Stated]) -> By {
-    let of = |at: usize, weight: f64| {
-        (0..stated.len()).map(|other| if other == at { weight } else { 0.0 }).collect()
-    };
-    let all = stated.iter().enumerate();
-    all.flat_map(|(at, one)| one.by.iter().map(move |(path, weight)| (path.clone(), of(at, *weight))))
-        .collect()
 }
 
 /// k and O of one sensor. What axescal found to be added to O has O's own uncertainty in it as what was known
@@ -59,11 +53,9 @@ fn constants(document: &Document, axis: Axis, unit: Unit) -> [Stated; 2] {
         Some(_) => uncertainty::added_offset(axis),
         None => uncertainty::sensor_offset(axis),
     };
-    [
-        (Parameter::Sensitivity(axis), uncertainty::sensitivity(axis, unit.suffix())),
-        (Parameter::SensorOffset(axis), offset),
-    ]
-    .map(|(parameter, path)| Stated { parameter, by: vec![(path, 1.0)] })
+    let scale = uncertainty::sensitivity(axis, unit.suffix());
+    [(Parameter::Sensitivity(axis), scale), (Parameter::SensorOffset(axis), offset)]
+        .map(|(parameter, path)| (parameter, vec![(path, 1.0)]))
 }
 
 /// The turns of the sensors along their tangents, by the nine cosines.
@@ -76,9 +68,9 @@ fn turns(document: &Document) -> Vec<Stated> {
         let first = 3 * axis.index();
         let both = tangents(&mu.column(axis.index()).into_owned()).into_iter().enumerate();
         let paths = &paths[first..first + 3];
-        both.map(move |(which, tangent)| Stated {
-            parameter: Parameter::SensorTurn(axis, which),
-            by: paths.iter().cloned().zip(tangent.iter().copied()).collect(),
+        both.map(move |(which, tangent)| {
+            let by = paths.iter().cloned().zip(tangent.iter().copied()).collect();
+            (Parameter::SensorTurn(axis, which), by)
         })
     };
     Axis::ALL.into_iter().flat_map(of).collect()
@@ -88,12 +80,11 @@ fn model(document: &Document, effects: &[EffectInstance], places: &[usize]) -> V
     let Some(adopted) = document.model.as_ref().map(|model| &model.effects) else { return Vec::new() };
     let mut all = Vec::new();
     for (number, (effect, at)) in effects.iter().zip(places).enumerate() {
-        let adopted: &AdoptedEffect = &adopted[*at];
         for (place, info) in effect.kind.parameters().iter().enumerate() {
             // The moment of a step or a spike has no derivative.
             if info.role != Role::Epoch {
-                let path = uncertainty::effect(adopted, info.name);
-                all.push(Stated { parameter: Parameter::Effect(number, place), by: vec![(path, 1.0)] });
+                let path = uncertainty::effect(&adopted[*at], info.name);
+                all.push((Parameter::Effect(number, place), vec![(path, 1.0)]));
             }
         }
     }

@@ -8,11 +8,10 @@
 //!
 //! `known` has every parameter behind the field with its uncertainty and the root of their covariance;
 //! `recording` gives the field with its derivatives by each of them. Without effects behind the field both
-//! are affine in the reading: `affine` takes them from four readings, and a row costs a matrix and six
+//! are affine in the reading: `recording` takes them from four readings, and a row costs a matrix and six
 //! quadratic forms. `table` goes through files in batches if every effect acts row by row
 //! (`Kind::row_by_row`); otherwise it takes them whole.
 
-mod affine;
 mod baselines;
 pub mod flags;
 mod formats;
@@ -44,24 +43,16 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// The quantity in names of columns: `field_x_nt` is in SEN, `field_geo_x_nt` in GEO.
-    fn quantity(self) -> &'static str {
-        match self {
-            Frame::Sen => "field",
-            Frame::Geo => "field_geo",
-        }
-    }
-
-    /// Names of the columns that a corrected recording gets: the field, its standard uncertainty, the flags.
+    /// Names of the columns that a corrected recording gets: `field_x_nt` is in SEN, `field_geo_x_nt` in GEO; its standard
+    /// uncertainty, the flags.
     pub fn columns(self) -> [String; 7] {
-        let quantity = self.quantity();
+        let quantity = if self == Frame::Sen { "field" } else { "field_geo" };
         let [x, y, z] = Axis::ALL.map(|axis| format!("{quantity}_{axis}_nt"));
         let [sx, sy, sz] = Axis::ALL.map(|axis| format!("{quantity}_std_{axis}_nt"));
         [x, y, z, sx, sy, sz, "field_flags".into()]
     }
 }
 
-/// Where no recording is to be corrected.
 const NOTHING: &str = "no recording holds readings of three sensors; correct needs `sensor_x_v`, `sensor_y_v` and `sensor_z_v`, or the same in nT";
 
 /// Corrects every recording that holds readings of three sensors: it gets the columns of [`Frame::columns`].

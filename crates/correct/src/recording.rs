@@ -1,11 +1,10 @@
 //! One recording corrected.
 
 use common::{Axis, Document, Recording, Uncertainty};
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3, Vector4};
 use physics::{Context, Direction, EffectInstance, Inverter, References, Row, Setting, Stage, Unit};
 use rayon::prelude::*;
 
-use crate::affine::Affine;
 use crate::flags::{self, Limits};
 use crate::known;
 use crate::noise;
@@ -135,10 +134,9 @@ impl<'a> Corrector<'a> {
         let rows: Vec<CorrectedRow> = (0..context.rows)
             .into_par_iter()
             .map(|row| {
-                let none = |flag: u32| ([f64::NAN; 3], [f64::NAN; 3], flag | common[row]);
                 let (field, covariance) = match solution.row(row, &readings[row]) {
                     Ok(found) => found,
-                    Err(flag) => return none(flag),
+                    Err(flag) => return ([f64::NAN; 3], [f64::NAN; 3], flag | common[row]),
                 };
                 let flag = self.limits.field(&(basic.mu.transpose() * field));
                 let (field, covariance) = match self.frame {
@@ -163,9 +161,7 @@ type CorrectedRow = ([f64; 3], [f64; 3], u32);
 
 /// The fields of a recording with their covariances.
 enum Solution {
-    /// By one matrix for all rows.
     Affine(Box<Affine>),
-    /// Row by row.
     Rows { field: Vec<Vector3<f64>>, covariance: Vec<Matrix3<f64>>, rows: Vec<Row> },
 }
 
@@ -230,4 +226,56 @@ fn in_geo(
     };
     let covariance = back * (covariance + by_turn * by_turn.transpose()) * back.transpose();
     (back * field, covariance)
+}
+
+/// The correction where no effect acts behind the field, B = M y + o, and the covariance of B, whose six elements are quadratic forms of (y, 1); y in the unit of
+/// the recording.
+struct Affine {
+    matrix: SMatrix<f64, 3, 4>,
+    /// For the elements xx, yy, zz, xy, yz, zx.
+    forms: [SMatrix<f64, 4, 4>; 6],
+}
+
+const ELEMENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)];
+
+impl Affine {
+    /// From the field of four readings and its derivatives, which determine all others. `sources` are those
+    /// of [`crate::known`]; `noise_nt2` is the variance of one reading of each sensor.
+    fn of(
+        inverter: Inverter<'_>,
+        sources: &[Direction],
+        noise_nt2: Vector3<f64>,
+    ) -> Result<Self, physics::Error> {
+        let mut readings = vec![Vector3::zeros()];
+        readings.extend((0..3).map(|k| Vector3::ith(k, 1.0)));
+        let solved = inverter.field(&readings)?;
+        let affine = |rows: &[Vector3<f64>]| {
+            let [zero, x, y, z] = [0, 1, 2, 3].map(|k| rows[k]);
+            SMatrix::<f64, 3, 4>::from_columns(&[x - zero, y - zero, z - zero, zero])
+        };
+        let mut forms = [SMatrix::zeros(); 6];
+        for moved in solved.along(sources)? {
+            let moved = affine(&moved);
+            for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
+                let product = moved.row(i).transpose() * moved.row(j);
+                *form += (product + product.transpose()) / 2.0;
+            }
+        }
+        let noise = solved.covariance_of_readings(noise_nt2)?[0];
+        for (form, (i, j)) in forms.iter_mut().zip(ELEMENTS) {
+            form[(3, 3)] += noise[(i, j)];
+        }
+        Ok(Self { matrix: affine(&solved.field_sen), forms })
+    }
+
+    /// The field in SEN, nT, and its covariance, nT².
+    fn field(&self, reading: &Vector3<f64>) -> (Vector3<f64>, Matrix3<f64>) {
+        let y: Vector4<f64> = reading.push(1.0);
+        let mut covariance = Matrix3::zeros();
+        for (form, (i, j)) in self.forms.iter().zip(ELEMENTS) {
+            let value = y.dot(&(form * y));
+            (covariance[(i, j)], covariance[(j, i)]) = (value, value);
+        }
+        (self.matrix * y, covariance)
+    }
 }

@@ -43,7 +43,23 @@ pub struct Request<'a> {
     pub station: Option<Station<'a>>,
 }
 
-/// A file that is written.
+impl<'a> Request<'a> {
+    /// A table on standard input, corrected in SEN to standard output.
+    pub fn of(calibration: &'a Document) -> Self {
+        Self {
+            calibration,
+            recording: None,
+            frame: Frame::Sen,
+            readings: None,
+            input: None,
+            input_format: None,
+            output: None,
+            output_format: None,
+            station: None,
+        }
+    }
+}
+
 enum Sheet {
     Table(Writer),
     Observatory(Written),
@@ -52,21 +68,18 @@ enum Sheet {
 /// Reads a table with `sensor_{x,y,z}_v` or `_nt`, and whatever the model's effects follow, and writes all
 /// its columns with those of [`Frame::columns`]. Where every effect goes row by row, it holds no more than a
 /// few batches at a time.
-///
-/// # Errors
-///
-/// A table that cannot be read, with file and row; what [`crate::run`] refuses; a chain that has no inverse.
+/// Errors: a table that cannot be read, with file and row; what [`crate::run`] refuses; a chain that has no inverse.
 pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     crate::check(request.calibration)?;
     let template = template(request)?;
     let frame = variometer::frame(request.calibration, &template, request.frame);
     let request = &Request { frame, ..*request };
     let corrector = Corrector::of(request.calibration, frame)?;
-    let Sheets { names, batches, name, format } = open(request)?;
-    let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); names.len()] };
-    check_columns(request.calibration, &recording_of(&template, &names, no_rows), &name)?;
-    let mut output = Output { request, format, names: &names, sheet: None, tally: Tally::default() };
-    let pieces = Pieces { corrector: &corrector, template: &template, names: &names, name: &name };
+    let (table, batches) = open(request)?;
+    let no_rows = Batch { first_row: 0, columns: vec![Vec::new(); table.names.len()] };
+    check_columns(request.calibration, &recording_of(&template, &table.names, no_rows), &table.name)?;
+    let mut output = Output { request, table: &table, sheet: None, tally: Tally::default() };
+    let pieces = Pieces { corrector: &corrector, template: &template, table: &table };
     // Rows are corrected while those before them are written.
     thread::scope(|scope| {
         let (ready, corrected) = sync_channel(1);
@@ -81,16 +94,12 @@ pub fn correct_table(request: &Request<'_>) -> Result<Tally, Error> {
     })
 }
 
-/// Readings with their field, or why there is none.
 type Piece = Result<(Recording, Corrected), Error>;
 
-/// A table that is corrected piece by piece.
 struct Pieces<'a> {
     corrector: &'a Corrector<'a>,
     template: &'a Recording,
-    names: &'a [String],
-    /// As errors call it.
-    name: &'a str,
+    table: &'a Table,
 }
 
 impl Pieces<'_> {
@@ -104,7 +113,10 @@ impl Pieces<'_> {
                 Ok(recording) if !self.corrector.row_by_row() => {
                     match &mut whole {
                         None => whole = Some(recording),
-                        Some(whole) => join(whole, recording),
+                        Some(whole) => {
+                            let columns = whole.columns.values_mut().zip(recording.columns.into_values());
+                            columns.for_each(|(column, more)| column.extend(&more));
+                        }
                     }
                     continue;
                 }
@@ -117,7 +129,7 @@ impl Pieces<'_> {
             }
         }
         if let Some(recording) = whole {
-            let corrected = self.corrector.correct(&recording, self.name, None);
+            let corrected = self.corrector.correct(&recording, &self.table.name, None);
             // Where nobody waits for it any more, it is not wanted.
             let _ = ready.send(corrected.map(|corrected| (recording, corrected)));
         }
@@ -125,9 +137,10 @@ impl Pieces<'_> {
 
     fn read(&self, batch: Result<Batch, tables::Error>) -> Result<Recording, Error> {
         let batch = batch?;
-        let columns = self.names.iter().map(String::as_str).zip(batch.columns.iter().map(Vec::as_slice));
-        range::rows(self.name, batch.first_row, columns)?;
-        Ok(recording_of(self.template, self.names, batch))
+        let Table { names, name, .. } = self.table;
+        let columns = names.iter().map(String::as_str).zip(batch.columns.iter().map(Vec::as_slice));
+        range::rows(name, batch.first_row, columns)?;
+        Ok(recording_of(self.template, names, batch))
     }
 
     /// Corrects rows that stand each for itself. `series` is the length and step, s, that the first of them
@@ -138,7 +151,7 @@ impl Pieces<'_> {
         let corrected: Vec<Corrected> = (0..recording.rows().div_ceil(ROWS_AT_ONCE))
             .into_par_iter()
             .map(|number| {
-                self.corrector.correct(&piece(self.template, &recording, number), self.name, series)
+                self.corrector.correct(&piece(self.template, &recording, number), &self.table.name, series)
             })
             .collect::<Result<_, Error>>()?;
         Ok((recording, Corrected::joined(corrected)))
@@ -149,10 +162,7 @@ impl Pieces<'_> {
 /// nothing behind.
 struct Output<'a> {
     request: &'a Request<'a>,
-    /// That of the input.
-    format: Format,
-    /// Columns of the input.
-    names: &'a [String],
+    table: &'a Table,
     sheet: Option<Sheet>,
     tally: Tally,
 }
@@ -161,7 +171,12 @@ impl Output<'_> {
     /// The columns of the input that are written on: a second run replaces those that the first one added.
     fn kept(&self) -> Vec<&str> {
         let added = self.request.frame.columns();
-        self.names.iter().map(String::as_str).filter(|name| !added.iter().any(|new| new == name)).collect()
+        self.table
+            .names
+            .iter()
+            .map(String::as_str)
+            .filter(|name| !added.iter().any(|new| new == name))
+            .collect()
     }
 
     fn open(&self, recording: &Recording) -> Result<Sheet, Error> {
@@ -177,7 +192,7 @@ impl Output<'_> {
             (Some(path), None) => Writer::create(path, &header)?,
             (Some(path), Some(format)) => Writer::create_as(path, format, &header)?,
             (None, told) => {
-                Writer::to_write(io::stdout(), told.unwrap_or(self.format), "standard output", &header)?
+                Writer::to_write(io::stdout(), told.unwrap_or(self.table.format), "standard output", &header)?
             }
         }))
     }
@@ -256,19 +271,16 @@ fn template(request: &Request<'_>) -> Result<Recording, Error> {
     Ok(Recording { columns: Columns::new(), table: None, start, ..found.clone() })
 }
 
-/// The rows of a table.
 type Batches<'a> = Box<dyn Iterator<Item = Result<Batch, tables::Error>> + Send + 'a>;
 
-/// A table that is read.
-struct Sheets<'a> {
+struct Table {
     names: Vec<String>,
-    batches: Batches<'a>,
     /// As errors call it.
     name: String,
     format: Format,
 }
 
-fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
+fn open<'a>(request: &Request<'a>) -> Result<(Table, Batches<'a>), Error> {
     let stdin = "standard input".to_string();
     if let Some(readings) = request.readings {
         let name = request.input.map_or(stdin, |path| path.display().to_string());
@@ -279,7 +291,7 @@ fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
             Ok(Batch { first_row: first as u64, columns })
         };
         let batches = Box::new((0..readings.rows()).step_by(BATCH_ROWS).map(batch));
-        return Ok(Sheets { names, batches, name, format: Format::Csv });
+        return Ok((Table { names, name, format: Format::Csv }, batches));
     }
     let (reader, name, format) = match (request.input, request.input_format) {
         (Some(path), told) => {
@@ -293,7 +305,7 @@ fn open<'a>(request: &Request<'a>) -> Result<Sheets<'a>, Error> {
             return Err(Error::Request(unknown.into()));
         }
     };
-    Ok(Sheets { names: reader.columns().to_vec(), batches: Box::new(reader), name, format })
+    Ok((Table { names: reader.columns().to_vec(), name, format }, Box::new(reader)))
 }
 
 fn recording_of(template: &Recording, names: &[String], batch: Batch) -> Recording {
@@ -310,20 +322,14 @@ fn piece(template: &Recording, recording: &Recording, number: usize) -> Recordin
     Recording { columns, ..template.clone() }
 }
 
-fn join(whole: &mut Recording, piece: Recording) {
-    for (column, more) in whole.columns.values_mut().zip(piece.columns.into_values()) {
-        column.extend(&more);
-    }
-}
-
 /// Readings of three sensors in one unit, in V with their sensitivities.
 fn check_columns(document: &Document, recording: &Recording, name: &str) -> Result<(), Error> {
     if !crate::is_corrected(recording) {
         let sensors = Axis::ALL.map(|axis| format!("sensor_{axis}_v")).join(", ");
         let found: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
+        let found = found.join(", ");
         return Err(Error::Request(format!(
-            "{name}: found the columns {}; expected readings of three sensors, {sensors}, or the same in nT; for other names write a mapping: ingest guess {name} > map.json, then correct --map map.json",
-            found.join(", ")
+            "{name}: found the columns {found}; expected readings of three sensors, {sensors}, or the same in nT; for other names write a mapping: ingest guess {name} > map.json, then correct --map map.json"
         )));
     }
     if variometer::is_by_baselines(document, recording) {

@@ -32,7 +32,6 @@ pub fn frame(document: &Document, recording: &Recording, asked: Frame) -> Frame 
 
 /// Corrects a recording: B of `physics::Components` with the baseline at the time of each row. `length_and_step` is of
 /// the whole series where this is a piece of it, s.
-///
 /// Errors: a recording without a start or times, or in V; baselines of other components.
 pub fn correct(
     document: &Document,
@@ -61,11 +60,8 @@ pub fn correct(
     let stated = recording.conditions.extra.get("components").and_then(|stated| stated.as_str());
     if let Some(other) = stated.filter(|stated| *stated != components.name()) {
         let expected = format!("\"{}\", for which the baselines were adopted", components.name());
-        return Err(Error::document(
-            format!("{path}.conditions.components"),
-            format!("\"{other}\""),
-            expected,
-        ));
+        let path = format!("{path}.conditions.components");
+        return Err(Error::document(path, format!("\"{other}\""), expected));
     }
     let origin = common::time::Start::parse(&baselines.start).map_or(0.0, |origin| origin.unix_s);
     let units = Vector3::from(components.units());
@@ -132,7 +128,6 @@ pub fn delta_f(document: &Document, recording: &Recording, corrected: &Corrected
     Some((0..scalar.len()).map(one).collect())
 }
 
-/// What ΔF says, in words.
 pub fn words(recording: &Recording) -> Option<String> {
     let mut all: Vec<f64> =
         recording.column(DELTA_F)?.iter().copied().filter(|value| value.is_finite()).collect();
@@ -141,10 +136,8 @@ pub fn words(recording: &Recording) -> Option<String> {
     }
     let middle = median(&all);
     all.iter_mut().for_each(|value| *value -= middle);
+    let (id, middle, rms) = (&recording.id, significant(middle, 2), significant(rms(&all), 2));
     Some(format!(
-        "\"{}\": |vector| minus the scalar magnetometer (delta_f_nt): median {} nT, rms about the median {} nT",
-        recording.id,
-        significant(middle, 2),
-        significant(rms(&all), 2)
+        "\"{id}\": |vector| minus the scalar magnetometer (delta_f_nt): median {middle} nT, rms about the median {rms} nT"
     ))
 }

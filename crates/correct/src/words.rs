@@ -19,7 +19,6 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Counts the rows of a recording, or of a piece of one.
     pub fn add(&mut self, corrected: &Corrected) {
         self.count(&corrected.flags, &[0, 1, 2].map(|k| corrected.std_nt[k].as_slice()));
         for left in &corrected.left {
@@ -29,7 +28,6 @@ impl Tally {
         }
     }
 
-    /// Whether nothing was counted.
     pub fn is_empty(&self) -> bool {
         self.rows == 0
     }
@@ -51,14 +49,11 @@ impl Tally {
 
     fn lines(&self) -> Vec<String> {
         let mut lines = Vec::new();
-        let spans: Vec<String> = Axis::ALL
-            .iter()
-            .zip(&self.std_nt)
-            .filter_map(|(axis, span)| {
-                let [low, high] = (*span)?.map(|std| figures(std, 2));
-                Some(if low == high { format!("{axis} {high}") } else { format!("{axis} {low} to {high}") })
-            })
-            .collect();
+        let span = |(axis, span): (&Axis, &Option<[f64; 2]>)| {
+            let [low, high] = (*span)?.map(|std| figures(std, 2));
+            Some(if low == high { format!("{axis} {high}") } else { format!("{axis} {low} to {high}") })
+        };
+        let spans: Vec<String> = Axis::ALL.iter().zip(&self.std_nt).filter_map(span).collect();
         if !spans.is_empty() {
             lines.push(format!("standard uncertainty: {} nT", spans.join(", ")));
         }
@@ -74,11 +69,9 @@ impl Tally {
 pub fn summary(document: &Document, frame: Frame) -> String {
     let names = |recording: &Recording| variometer::frame(document, recording, frame).columns();
     let mut tally = Tally::default();
-    let corrected: Vec<&Recording> = document
-        .recordings
-        .iter()
-        .filter(|recording| names(recording).iter().all(|name| recording.columns.contains_key(name)))
-        .collect();
+    let is_done =
+        |recording: &&Recording| names(recording).iter().all(|name| recording.columns.contains_key(name));
+    let corrected: Vec<&Recording> = document.recordings.iter().filter(is_done).collect();
     for recording in &corrected {
         let names = names(recording);
         let column = |k: usize| recording.column(&names[k]).unwrap_or_default();
@@ -101,13 +94,10 @@ fn magnitude(recording: &Recording, names: &[String]) -> Option<String> {
     let mut lengths: Vec<f64> = lengths.filter(|length| length.is_finite()).collect();
     let median = (!lengths.is_empty()).then(|| median_of(&mut lengths))?;
     let source = recording.conditions.extra.get("field_model").and_then(serde_json::Value::as_str);
-    Some(format!(
-        "\"{}\": |B| is {} nT in the median; {} nT by {}",
-        recording.id,
-        significant(median, 6),
-        stated.std().map_or(significant(stated.value(), 6), |std| uncertain(stated.value(), std)),
-        source.unwrap_or("what is stated")
-    ))
+    let (id, source) = (&recording.id, source.unwrap_or("what is stated"));
+    let (median, value) = (significant(median, 6), stated.value());
+    let stated = stated.std().map_or(significant(value, 6), |std| uncertain(value, std));
+    Some(format!("\"{id}\": |B| is {median} nT in the median; {stated} nT by {source}"))
 }
 
 /// What is told of a corrected table.
@@ -119,10 +109,7 @@ pub fn table_summary(tally: &Tally, calibration: &Document, recording: Option<&s
 }
 
 fn text(head: &str, tally: &Tally, frame: Frame, notes: Vec<String>) -> String {
-    let frame = match frame {
-        Frame::Sen => "SEN",
-        Frame::Geo => "GEO",
-    };
+    let frame = if frame == Frame::Sen { "SEN" } else { "GEO" };
     let (rows, have) = (counted(tally.rows as usize, "row"), plural(tally.found as usize, "has", "have"));
     let mut lines = vec![format!("{head}{} of {rows} {have} a field in {frame}", tally.found)];
     lines.extend(tally.lines().into_iter().chain(notes).map(|line| format!("  {line}")));

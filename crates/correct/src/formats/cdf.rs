@@ -32,14 +32,11 @@ pub struct Cdf {
 }
 
 impl Value {
-    /// Type, number of elements, bytes.
     fn stored(&self) -> (u32, usize, Vec<u8>) {
         match self {
             Value::Text(text) => (51, text.len(), text.as_bytes().to_vec()),
-            Value::Doubles(all) => {
-                (45, all.len(), all.iter().flat_map(|value| value.to_be_bytes()).collect())
-            }
-            Value::Tt2000(all) => (33, all.len(), all.iter().flat_map(|value| value.to_be_bytes()).collect()),
+            Value::Doubles(all) => (45, all.len(), all.iter().flat_map(|one| one.to_be_bytes()).collect()),
+            Value::Tt2000(all) => (33, all.len(), all.iter().flat_map(|one| one.to_be_bytes()).collect()),
         }
     }
 }
@@ -63,7 +60,6 @@ impl Body {
         self
     }
 
-    /// Text of a fixed length.
     fn name(mut self, name: &str) -> Self {
         let end = self.0.len() + NAME;
         self.0.extend(name.bytes());

@@ -6,7 +6,6 @@ use std::io::Write;
 use super::{About, Format, Row, Rules, calendar};
 
 pub const RULES: Rules = Rules { name: "IAGA-2002", letters: 4, resolution_ns: 1_000_000 };
-/// A value that is missing.
 const MISSING: f64 = 99_999.0;
 /// A component that is not observed.
 const NOT_OBSERVED: f64 = 88_888.0;

@@ -26,7 +26,7 @@ pub struct Imf {
 }
 
 impl Imf {
-    pub fn begin(about: About) -> Result<Self, Error> {
+    pub fn begin(about: &About) -> Result<Self, Error> {
         if let Some(step_s) = about.step_s.filter(|step_s| (step_s - 60.0).abs() > 1e-3) {
             return Err(Error::Request(format!("found a row each {step_s} s; expected {}", expected())));
         }
@@ -35,7 +35,7 @@ impl Imf {
             format!("{:04}{:04}", tenths(90.0 - north), tenths(east) % 3600)
         });
         let data_type = if about.is_adjusted { 'A' } else { 'R' };
-        Ok(Self { code: about.code, place, data_type, day: None, minutes: Vec::new() })
+        Ok(Self { code: about.code.clone(), place, data_type, day: None, minutes: Vec::new() })
     }
 
     /// The day that is at hand, in full.
@@ -96,7 +96,7 @@ mod tests {
     fn written(place: Option<[f64; 3]>, rows: &[Row]) -> String {
         let mut bytes = Vec::new();
         let about = About { code: "FLX".into(), place, step_s: Some(60.0), is_adjusted: false };
-        let mut format = Imf::begin(about).expect("begun");
+        let mut format = Imf::begin(&about).expect("begun");
         rows.iter().for_each(|row| format.row(row, &mut bytes).expect("a row"));
         format.end(&mut bytes);
         String::from_utf8(bytes).expect("ASCII")

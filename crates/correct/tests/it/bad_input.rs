@@ -2,20 +2,12 @@
 //! output; and so does each table that is not as it must be.
 
 use std::fs;
-use std::path::Path;
 
 const CORRECT: &str = env!("CARGO_BIN_EXE_correct");
 
 #[test]
 fn each_fault_has_its_message() {
     assert!(testkit::faults("bad/correct", CORRECT) >= 14);
-}
-
-/// Exit code and what was said, in a folder, so that files are named as they are there.
-fn run(folder: &Path, arguments: &[&str]) -> (i32, String) {
-    let run = testkit::run_in(CORRECT, folder, arguments);
-    assert!(run.stdout.is_empty(), "{arguments:?}");
-    (run.code, run.stderr)
 }
 
 /// What is asked, and below it what is said.
@@ -63,14 +55,5 @@ fn each_fault_of_a_table_has_its_message() {
         "map.json",
         r#"{"fluxcal-mapping": 1, "header_line": 1, "columns": [{"from": "u", "to": "sensor_x_v", "unit": "V"}]}"#,
     );
-    let mut told = 0;
-    for fault in FAULTS.trim().lines().collect::<Vec<&str>>().chunks_exact(2) {
-        let arguments: Vec<&str> = fault[0].split(' ').collect();
-        let (code, said) = run(folder.path(), &arguments);
-        assert_eq!(code, 2, "{arguments:?}: {said}");
-        assert!(said.contains(&fault[1].trim().replace("\\n", "\n")), "{arguments:?}: {said}");
-        assert!(!folder.path().join("out.csv").exists(), "{arguments:?}");
-        told += 1;
-    }
-    assert_eq!(told, 13);
+    assert_eq!(testkit::refusals(CORRECT, folder.path(), FAULTS), 13);
 }

@@ -10,34 +10,23 @@ use correct::Frame;
 use physics::{References, Setting};
 use rayon::prelude::*;
 use serde_json::Value;
+use testkit::laws::Draw;
 
 const FIELDS: usize = 400;
 const LARGEST_NT: f64 = 64_000.0;
 
-/// Numbers from 0 to 1 that follow each other without pattern.
-struct Numbers(u64);
-
-impl Numbers {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// Fields of every direction and size, at temperatures of sensors and electronics from −7 to 53 degC, a day
 /// after the beginning.
 pub fn flight(seed: u64) -> Recording {
-    let mut numbers = Numbers(seed);
+    let mut draw = Draw::new(seed);
+    let mut share = || 0.5 * (draw.even() + 1.0);
     let rows: Vec<[f64; 6]> = (0..FIELDS)
         .map(|row| {
-            let size = LARGEST_NT * numbers.next().cbrt();
-            let (height, azimuth) = (2.0 * numbers.next() - 1.0, std::f64::consts::TAU * numbers.next());
+            let size = LARGEST_NT * share().cbrt();
+            let (height, azimuth) = (2.0 * share() - 1.0, std::f64::consts::TAU * share());
             let across = (1.0 - height * height).sqrt();
             let [x, y, z] = [azimuth.cos() * across, azimuth.sin() * across, height].map(|part| size * part);
-            [row as f64, x, y, z, 60.0 * numbers.next() - 7.0, 60.0 * numbers.next() - 7.0]
+            [row as f64, x, y, z, 60.0 * share() - 7.0, 60.0 * share() - 7.0]
         })
         .collect();
     let names = ["time_s", "ambient_x_nt", "ambient_y_nt", "ambient_z_nt"];
@@ -75,11 +64,8 @@ pub fn read(truth: &Value, mut recording: Recording) -> Recording {
         model.effects.retain(|effect| effect.sensor.is_some());
     }
     // Days count from the beginning of the campaign.
-    let first = Recording {
-        id: "beginning".into(),
-        start: Some("1977-05-23T08:00:00-05:00".into()),
-        ..recording.clone()
-    };
+    let start = Some("1977-05-23T08:00:00-05:00".into());
+    let first = Recording { id: "beginning".into(), start, ..recording.clone() };
     document.recordings = vec![first, recording.clone()];
     let effects = physics::adopt(&document).expect("adopted");
     let setting = Setting::of(&document, &recording, References::of(&document)).expect("a setting");
@@ -176,10 +162,7 @@ fn directions_to_half_an_arcsecond_and_fields_to_half_a_nanotesla() {
     for (number, name) in names.iter().enumerate() {
         let within = outcomes.iter().filter(|one| one.arcsec[number] <= 0.5).count();
         println!("  {name}: {within} of {campaigns} within half an arcsecond");
-        assert!(
-            testkit::agrees(within, campaigns as usize, [0.95, 1.0], 6),
-            "{name}: {within} of {campaigns}"
-        );
+        assert!(testkit::agrees(within, campaigns as usize, [0.95, 1.0], 6), "{name}: {within}");
     }
     let all = || outcomes.iter().flat_map(|one| &one.off);
     let within = all().filter(|one| one.0.abs() <= 0.5).count() as f64 / all().count() as f64;

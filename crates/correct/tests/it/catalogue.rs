@@ -79,12 +79,8 @@ fn what_is_predicted_is_corrected() {
         let recording = &document.recordings[0];
         for (row, truth) in truth.iter().enumerate() {
             let flags = recording.column("field_flags").expect("flags")[row] as u32;
-            assert_eq!(
-                flags & (correct::flags::MISSING | correct::flags::NOT_INVERTIBLE),
-                0,
-                "{}: row {row}",
-                kind.name()
-            );
+            let wrong = correct::flags::MISSING | correct::flags::NOT_INVERTIBLE;
+            assert_eq!(flags & wrong, 0, "{}: row {row}", kind.name());
             for axis in Axis::ALL {
                 let found = recording.axis_column("field", axis, "nt").expect("a field")[row];
                 worst = worst.max((found - truth[axis.index()]).abs());

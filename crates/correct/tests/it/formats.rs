@@ -86,34 +86,31 @@ fn what_a_format_cannot_hold_is_refused_and_nothing_is_written() {
     file("twice.csv", "0,1,2,3\n0,1,2,3\n");
     file("large.csv", "0,90000,2,3\n");
     file("none.csv", "");
-    let remedy = "series resample --step 60";
-    for (readings, asked, due) in [
-        (
-            "half.csv",
-            "--imf FLX",
-            "row 1: found time_s = 30; expected a row each 60 s, centred on the minute",
-        ),
-        ("seconds.csv", "--imf FLX", remedy),
-        ("seconds.csv", "--imf FLXX", "expected three letters or digits"),
-        (
-            "uneven.csv",
-            "--imagcdf FLX",
-            "row 4: found time_s = 3.4; expected evenly spaced times, apart from gaps",
-        ),
-        ("seconds.csv", "--imagcdf FLX --start 1971-12-31T23:59:59Z", "expected a time since 1972"),
-        ("twice.csv", "--imagcdf FLX", "row 2: found time_s = 0; expected times that increase"),
-        ("large.csv", "--iaga FLX", "expected a field within ±88880 nT"),
-        ("none.csv", "--imf FLX", "found no rows"),
-        ("seconds.csv", "--place 1,2,3", "give --iaga, --imf or --imagcdf too"),
-        ("seconds.csv", "--iaga FLX --imf FLX", "cannot be used with"),
-    ] {
-        let start = if asked.contains("--start") || !asked.contains("FLX") {
-            ""
-        } else {
-            " --start 2024-03-10T00:00:00Z"
-        };
-        let (code, said) = correct(folder.path(), readings, &format!("{asked}{start} -o out"));
-        assert!(code == 2 && said.contains(due), "{readings} {asked}: {said}");
-        assert!(!folder.path().join("out").exists(), "{asked}");
-    }
+    let calibration = testkit::read_fixture("correct/flight/input.json");
+    fs::write(folder.path().join("flight.json"), calibration).expect("written");
+    let faults = r#"
+CORRECT half.csv --imf FLX START
+    row 1: found time_s = 30; expected a row each 60 s, centred on the minute
+CORRECT seconds.csv --imf FLX START
+    series resample --step 60
+CORRECT seconds.csv --imf FLXX START
+    expected three letters or digits
+CORRECT uneven.csv --imagcdf FLX START
+    row 4: found time_s = 3.4; expected evenly spaced times, apart from gaps
+CORRECT seconds.csv --imagcdf FLX --start 1971-12-31T23:59:59Z
+    expected a time since 1972
+CORRECT twice.csv --imagcdf FLX START
+    row 2: found time_s = 0; expected times that increase
+CORRECT large.csv --iaga FLX START
+    expected a field within ±88880 nT
+CORRECT none.csv --imf FLX START
+    found no rows
+CORRECT seconds.csv --place 1,2,3
+    give --iaga, --imf or --imagcdf too
+CORRECT seconds.csv --iaga FLX --imf FLX START
+    cannot be used with
+"#;
+    let faults = faults.replace("CORRECT", "--calibration flight.json -o out");
+    let faults = faults.replace("START", "--start 2024-03-10T00:00:00Z");
+    assert_eq!(testkit::refusals(CORRECT, folder.path(), &faults), 10);
 }

@@ -1,8 +1,7 @@
-//! Golden documents, a line a case. BLESS=1 writes them anew; read the difference before it is kept.
-//! `truth.rs` holds the same flight against the script that made it.
-
 use common::{Document, to_text};
 use correct::Frame;
+
+const CORRECT: &str = env!("CARGO_BIN_EXE_correct");
 
 #[test]
 fn golden() {
@@ -12,4 +11,13 @@ fn golden() {
             to_text(&correct::run(document, frame).expect("corrected"))
         });
     }
+}
+
+#[test]
+fn examples_run_and_completions_and_man_pages_are_there() {
+    let folder = testkit::examples(CORRECT, &[]);
+    for written in ["result.json", "field.parquet", "field.min"] {
+        assert!(folder.path().join(written).exists(), "{written}");
+    }
+    testkit::manual(CORRECT);
 }

@@ -6,7 +6,6 @@ mod catalogue;
 mod files;
 mod formats;
 mod golden;
-mod help;
 mod joint;
 mod laws;
 mod truth;

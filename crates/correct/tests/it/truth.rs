@@ -68,13 +68,9 @@ fn an_effect_whose_column_is_not_there_is_left_and_said() {
     input.recordings[0].columns.shift_remove("sensor_temperature_c");
     let corrector = correct::Corrector::of(&input, Frame::Sen).expect("a corrector");
     let corrected = corrector.correct(&input.recordings[0], "recordings[0]", None).expect("corrected");
-    assert_eq!(
-        corrected.left,
-        [
-            "sensitivity_temperature is not corrected: the column `sensor_temperature_c` is missing",
-            "offset_temperature is not corrected: the column `sensor_temperature_c` is missing"
-        ]
-    );
+    let lacks = "is not corrected: the column `sensor_temperature_c` is missing";
+    let left = ["sensitivity", "offset"].map(|of| format!("{of}_temperature {lacks}"));
+    assert_eq!(corrected.left, left);
     assert!(corrected.flags.iter().all(|flag| flag & flags::EFFECT_LEFT != 0));
     assert!(corrected.has_field());
 }
