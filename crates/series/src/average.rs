@@ -5,6 +5,7 @@ use common::{Column, Columns, Error, Recording};
 
 use crate::{phase_s, times};
 use joined::usual_step_s;
+use std::ops::Range;
 
 /// What a time may be off by its last digit, s: a row that is due at a boundary belongs to the window that
 /// begins there.
@@ -21,11 +22,7 @@ pub struct Average {
     pub share: f64,
 }
 
-/// Rows of one window.
-struct Window {
-    number: i64,
-    rows: std::ops::Range<usize>,
-}
+type Window = (i64, Range<usize>);
 
 impl Average {
     /// Averages a recording; what was done, in words.
@@ -34,25 +31,21 @@ impl Average {
         let (before, phase) = (time.len(), phase_s(recording, self.window_s));
         let windows = self.windows(time, phase);
         let middles: Column =
-            windows.iter().map(|window| (window.number as f64 + 0.5) * self.window_s - phase).collect();
+            windows.iter().map(|(number, _)| (*number as f64 + 0.5) * self.window_s - phase).collect();
         let ones = vec![1.0; before];
         let samples = recording.column(SAMPLES).unwrap_or(&ones);
-        let all: Vec<f64> = windows.iter().map(|window| sum(&samples[window.rows.clone()])).collect();
-        let mut columns = Columns::from([
-            ("time_s".to_string(), middles),
-            (SAMPLES.to_string(), Column::from(all.clone())),
-        ]);
+        let all: Vec<f64> = windows.iter().map(|(_, rows)| sum(&samples[rows.clone()])).collect();
+        let mut columns = Columns::from([("time_s".to_string(), middles)]);
+        columns.insert(SAMPLES.into(), Column::from(all.clone()));
         let is_count = |name: &str| name == SAMPLES || name.ends_with("_samples");
         let mut lost = 0;
-        for (name, values) in
-            recording.columns.iter().filter(|(name, _)| *name != "time_s" && !is_count(name))
-        {
+        let columns_of = recording.columns.iter().filter(|(name, _)| *name != "time_s" && !is_count(name));
+        for (name, values) in columns_of {
             let own = recording.column(&format!("{name}_samples")).unwrap_or(samples);
             let least = self.share * self.full(time, values);
-            let mut counts = Vec::with_capacity(windows.len());
-            let mut means = Vec::with_capacity(windows.len());
-            for window in &windows {
-                let (mean, count, rows) = mean(&values[window.rows.clone()], &own[window.rows.clone()]);
+            let (mut counts, mut means) = (Vec::new(), Vec::new());
+            for (_, rows) in &windows {
+                let (mean, count, rows) = mean(&values[rows.clone()], &own[rows.clone()]);
                 let enough = rows > 0 && rows as f64 >= least;
                 lost += usize::from(!enough);
                 means.push(if enough { mean } else { f64::NAN });
@@ -76,21 +69,17 @@ impl Average {
             (_, true) => format!(", {} samples in each", bare(most)),
             _ => format!(", {} to {} samples in each", bare(least), bare(most)),
         };
-        Ok(format!(
-            "{} to {} of {} s{each}{lost}",
-            counted(before, "row"),
-            counted(windows.len(), "mean"),
-            bare(self.window_s)
-        ))
+        let (rows, means) = (counted(before, "row"), counted(windows.len(), "mean"));
+        Ok(format!("{rows} to {means} of {} s{each}{lost}", bare(self.window_s)))
     }
 
     fn windows(&self, time: &[f64], phase: f64) -> Vec<Window> {
         let number = |t: f64| ((phase + t + ROUNDING_S) / self.window_s).floor() as i64;
         let mut windows: Vec<Window> = Vec::new();
         for (row, t) in time.iter().enumerate() {
-            match windows.last_mut().filter(|window| window.number == number(*t)) {
-                Some(window) => window.rows.end = row + 1,
-                None => windows.push(Window { number: number(*t), rows: row..row + 1 }),
+            match windows.last_mut().filter(|(last, _)| *last == number(*t)) {
+                Some((_, rows)) => rows.end = row + 1,
+                None => windows.push((number(*t), row..row + 1)),
             }
         }
         windows

@@ -36,11 +36,11 @@ impl Bound {
         match (self, recording.start()) {
             (Bound::Seconds(seconds), _) => Ok(seconds),
             (Bound::Moment(moment), Some(start)) => Ok(moment.unix_s - start.unix_s),
-            (Bound::Moment(_), None) => Err(Error::document(
-                format!("{path}.start"),
-                format!("none in \"{}\"", recording.id),
-                "when it began, to be cut at a moment; or seconds of time_s",
-            )),
+            (Bound::Moment(_), None) => {
+                let expected = "when it began, to be cut at a moment; or seconds of time_s";
+                let found = format!("none in \"{}\"", recording.id);
+                Err(Error::document(format!("{path}.start"), found, expected))
+            }
         }
     }
 }
@@ -55,15 +55,12 @@ impl Cut {
         let (first, last) = (time.partition_point(|t| *t < from), time.partition_point(|t| *t < to));
         let rows = time.len();
         if first >= last {
-            let span = time
-                .first()
-                .zip(time.last())
-                .map_or(String::new(), |(a, b)| format!(", which is from {a} s to {b} s"));
-            let message = format!(
-                "no row of \"{}\"{span}, is between the two times; expected an interval with rows",
-                recording.id
-            );
-            return Err(Error::Request(message));
+            let span = time.first().zip(time.last());
+            let span = span.map_or(String::new(), |(a, b)| format!(", which is from {a} s to {b} s"));
+            let id = &recording.id;
+            return Err(Error::Request(format!(
+                "no row of \"{id}\"{span}, is between the two times; expected an interval with rows"
+            )));
         }
         for column in recording.columns.values_mut() {
             *column = Column::from(column[first..last].to_vec());

@@ -44,10 +44,10 @@ impl Join {
             for name in other.columns.keys().filter(|name| *name != "time_s") {
                 if joined.columns.contains_key(name) {
                     let found = format!("{name}, which \"{}\" has too", base.id);
+                    let (id, head) =
+                        (&other.id, name.split_once('_').map_or(name.as_str(), |(head, _)| head));
                     let expected = format!(
-                        "each name once; rename them first: series rename --recording {} {}",
-                        other.id,
-                        name.split_once('_').map_or(format!("{name}=NEW"), |(head, _)| format!("{head}=NEW"))
+                        "each name once; rename them first: series rename --recording {id} {head}=NEW"
                     );
                     return Err(Error::document(format!("{path}.columns"), found, expected));
                 }
@@ -61,13 +61,10 @@ impl Join {
                 return Err(Error::Request(message));
             }
             let rate = read.own_step_s.map_or(String::new(), |own_s| format!(" of {} s", bare(own_s)));
+            let (there, times, ways) = (read.there, counted(at.len(), "time"), said(&read.ways));
             words.push(format!(
-                "\"{}\"{rate} read at {} of the {} of \"{}\"{}; its clock is taken as it is",
-                other.id,
-                read.there,
-                counted(at.len(), "time"),
-                base.id,
-                said(&read.ways)
+                "\"{}\"{rate} read at {there} of the {times} of \"{}\"{ways}; its clock is taken as it is",
+                other.id, base.id
             ));
             joined.columns.extend(read.columns);
         }

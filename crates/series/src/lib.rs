@@ -40,10 +40,7 @@ pub struct Outcome {
 }
 
 /// Does something to the recordings with these ids; without any, to all that have readings.
-///
-/// # Errors
-///
-/// An id that is not there; a recording that it cannot be done to, and why.
+/// Errors: an id that is not there; a recording that it cannot be done to, and why.
 pub fn run(mut document: Document, ids: &[String], operation: &Operation) -> Result<Outcome, Error> {
     if let Operation::Join(join) = operation {
         return join.run(document);
@@ -70,23 +67,18 @@ pub fn run(mut document: Document, ids: &[String], operation: &Operation) -> Res
         changed.push(index);
     }
     if changed.is_empty() {
-        return Err(Error::Request(
-            "the document has no recording with readings; expected one, as ingest makes it".into(),
-        ));
+        let words = "the document has no recording with readings; expected one, as ingest makes it";
+        return Err(Error::Request(words.into()));
     }
     document.check()?;
     Ok(Outcome { document, changed, words })
 }
 
-/// Where a recording is.
 fn index_of(document: &Document, id: &str) -> Result<usize, Error> {
     document.recordings.iter().position(|recording| recording.id == id).ok_or_else(|| {
-        let ids: Vec<&str> =
-            document.recordings.iter().map(|recording| recording.id.as_str()).take(30).collect();
-        Error::Request(format!(
-            "there is no recording \"{id}\" in the document; expected one of: {}",
-            ids.join(", ")
-        ))
+        let ids: Vec<&str> = document.recordings.iter().map(|one| one.id.as_str()).take(30).collect();
+        let ids = ids.join(", ");
+        Error::Request(format!("there is no recording \"{id}\" in the document; expected one of: {ids}"))
     })
 }
 
@@ -96,10 +88,8 @@ fn times<'a>(recording: &'a Recording, path: &str) -> Result<&'a [f64], Error> {
         Err(Error::document(format!("{path}.columns.time_s"), found, expected))
     };
     let Some(time) = recording.column("time_s") else {
-        return refused(
-            format!("none in \"{}\"", recording.id),
-            "the time of each row; ingest writes it where the file says it",
-        );
+        let expected = "the time of each row; ingest writes it where the file says it";
+        return refused(format!("none in \"{}\"", recording.id), expected);
     };
     if let Some(row) = time.iter().position(|time| !time.is_finite()) {
         return refused(format!("none in row {row} of \"{}\"", recording.id), "the time of each row");

@@ -21,11 +21,9 @@ pub fn rename(recording: &mut Recording, path: &str, names: &[(String, String)])
     if said.is_empty() {
         let there: Vec<&str> = recording.columns.keys().map(String::as_str).take(30).collect();
         let asked: Vec<&str> = names.iter().map(|(old, _)| old.as_str()).collect();
-        return Err(Error::document(
-            format!("{path}.columns"),
-            format!("no column {} among {}", asked.join(", "), there.join(", ")),
-            "a column's name, or how some begin, such as sensor=test",
-        ));
+        let found = format!("no column {} among {}", asked.join(", "), there.join(", "));
+        let expected = "a column's name, or how some begin, such as sensor=test";
+        return Err(Error::document(format!("{path}.columns"), found, expected));
     }
     Ok(said.join(", "))
 }

@@ -37,17 +37,10 @@ pub fn resample(recording: &mut Recording, path: &str, step_s: f64) -> Result<St
         ways.push((name.clone(), read.way));
         columns.insert(name.clone(), Column::from(read.values));
     }
-    let was = usual_step_s(time).unwrap_or(f64::NAN);
-    let rows = time.len();
+    let was = bare(usual_step_s(time).unwrap_or(f64::NAN));
+    let (rows, step, ways) = (counted(time.len(), "row"), bare(step_s), said(&ways));
     recording.columns = columns;
-    Ok(format!(
-        "{} of {} s to {} of {} s{}",
-        counted(rows, "row"),
-        bare(was),
-        at.len(),
-        bare(step_s),
-        said(&ways)
-    ))
+    Ok(format!("{rows} of {was} s to {} of {step} s{ways}", at.len()))
 }
 
 /// Columns that were interpolated.

@@ -23,50 +23,41 @@ fn each_fault_has_its_message() {
     let folder = tempfile::tempdir().expect("a folder");
     fs::write(folder.path().join("in.json"), document()).expect("written");
     fs::write(folder.path().join("day.csv"), "time,x_nT\n2025-03-14T00:00:00Z,20900.5\n").expect("written");
-    let faults: [(&[&str], &str); 13] = [
-        (
-            &["average", "--window", "60", "day.csv"],
-            "day.csv: found lines of values (CSV); expected a fluxcal document. To read it:\n  ingest day.csv | series average …",
-        ),
-        (&["average", "--window", "0", "in.json"], "--window"),
-        (&["average", "--window", "60", "--share", "2", "in.json"], "a number from 0 to 1"),
-        (
-            &["average", "--window", "60", "--recording", "three", "in.json"],
-            "there is no recording \"three\" in the document; expected one of: one, two",
-        ),
-        (
-            &["average", "--window", "60", "--recording", "back", "in.json"],
-            "recordings[3].columns.time_s: found 2 s after 2 s in row 2 of \"back\"; expected increasing times; ingest --sort",
-        ),
-        (
-            &["resample", "--step", "1", "--recording", "none", "in.json"],
-            "recordings[4].columns.time_s: found none in \"none\"",
-        ),
-        (&["cut", "--from", "yesterday", "in.json"], "expected a moment such as 2025-03-14T12:00:00Z"),
-        (
-            &["cut", "--from", "100", "--recording", "one", "in.json"],
-            "no row of \"one\", which is from 0 s to 2 s, is between the two times",
-        ),
-        (
-            &["cut", "--from", "2025-03-14T00:00:00Z", "--recording", "back", "in.json"],
-            "recordings[3].start: found none in \"back\"",
-        ),
-        (
-            &["rename", "outside=test", "--recording", "one", "--document", "in.json"],
-            "found no column outside among time_s, sensor_x_nt",
-        ),
-        (&["join", "one", "--document", "in.json"], "fewer than two recordings"),
-        (
-            &["join", "one", "two", "--document", "in.json"],
-            "found sensor_x_nt, which \"one\" has too; expected each name once; rename them first: series rename --recording two sensor=NEW",
-        ),
-        (&["join", "one", "later", "--document", "in.json"], "\"one\" and \"later\" have no time in common"),
-    ];
-    for (arguments, message) in faults {
-        let run = testkit::run_in(SERIES, folder.path(), arguments);
-        assert!(run.stderr.contains(message), "{arguments:?}: {}", run.stderr);
-        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{arguments:?}");
-    }
+    let faults = r#"
+average --window 60 day.csv
+    day.csv: found lines of values (CSV); expected a fluxcal document. To read it:\n  ingest day.csv | series average …
+average --window 0 in.json
+    --window
+average --window 60 --share 2 in.json
+    a number from 0 to 1
+average --window 60 --recording three in.json
+    there is no recording "three" in the document; expected one of: one, two
+average --window 60 --recording back in.json
+    recordings[3].columns.time_s: found 2 s after 2 s in row 2 of "back"; expected increasing times; ingest --sort
+resample --step 1 --recording none in.json
+    recordings[4].columns.time_s: found none in "none"
+cut --from yesterday in.json
+    expected a moment such as 2025-03-14T12:00:00Z
+cut --from 100 --recording one in.json
+    no row of "one", which is from 0 s to 2 s, is between the two times
+cut --from 2025-03-14T00:00:00Z --recording back in.json
+    recordings[3].start: found none in "back"
+rename outside=test --recording one --document in.json
+    found no column outside among time_s, sensor_x_nt
+join one --document in.json
+    fewer than two recordings
+join one two --document in.json
+    found sensor_x_nt, which "one" has too; expected each name once; rename them first: series rename --recording two sensor=NEW
+join one later --document in.json
+    "one" and "later" have no time in common
+"#;
+    assert_eq!(testkit::refusals(SERIES, folder.path(), faults), 13);
+}
+
+#[test]
+fn examples_run_and_completions_and_man_pages_are_there() {
+    testkit::examples(SERIES, &["cut", "average", "resample", "rename", "join"]);
+    testkit::manual(SERIES);
 }
 
 #[test]

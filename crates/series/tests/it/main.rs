@@ -1,6 +1,5 @@
 //! The integration tests of `series`: one program, a module for each subject.
 
 mod bad_input;
-mod help;
 mod laws;
 mod times;
