@@ -30,11 +30,9 @@ struct Used {
     time_s: f64,
     /// Places in the document's list.
     sets: Vec<usize>,
-    /// Their recordings.
     names: Vec<String>,
 }
 
-/// What the three components have in common.
 struct Common {
     used: Vec<Used>,
     follows: Vec<Follows>,
@@ -52,9 +50,7 @@ struct Fitted {
     mixture: Mixture,
 }
 
-/// The baselines of each component, with what looks wrong.
-///
-/// Errors: a fit that fails.
+/// The baselines of each component, with what looks wrong. Errors: a fit that fails.
 pub fn adopted(
     document: &Document,
     measured: &Measured,
@@ -100,27 +96,24 @@ pub fn adopted(
         ..AdoptedBaselines::default()
     };
     let mut findings = Findings::default();
-    for (k, fitted) in fitted.into_iter().enumerate() {
-        let key = components.keys()[k];
+    for (k, (key, fitted)) in components.keys().into_iter().zip(fitted).enumerate() {
         let common = common_std(measured, &all.used, k) / components.units()[k];
         let mut baseline = fitted.written(&all, &times, common);
         let (letter, unit) = named(key);
         for (cause, factor) in &fitted.causes {
-            if let Cause::Off(at) = cause {
-                let names = &all.used[*at].names;
-                let words = format!(
-                    "{letter} of \"{}\" deviates from the baseline by more than the scatter of the other measurements (ln of the Bayes factor {}); it is not used, measure it again",
-                    names.join("\", \""),
-                    significant(*factor, 2)
-                );
-                findings.push(Code::Outliers.about(&names[0]).said(words));
-                baseline.not_used.extend(names.clone());
-            }
+            let Cause::Off(at) = cause else { continue };
+            let names = &all.used[*at].names;
+            let words = format!(
+                "{letter} of \"{}\" deviates from the baseline by more than the scatter of the other measurements (ln of the Bayes factor {}); it is not used, measure it again",
+                names.join("\", \""),
+                significant(*factor, 2)
+            );
+            findings.push(Code::Outliers.about(&names[0]).said(words));
+            baseline.not_used.extend(names.clone());
         }
         baseline.not_used.extend(outliers.iter().map(name));
-        for step in &baseline.steps {
-            let words =
-                format!("{letter} steps by {}{unit} between {} and {}", step.size, step.after, step.before);
+        for BaselineStep { size, after, before, .. } in &baseline.steps {
+            let words = format!("{letter} steps by {size}{unit} between {after} and {before}");
             findings.push(Code::BaselineSteps.about(key).said(words));
         }
         result.common_std.insert(key.to_string(), common);
@@ -215,15 +208,16 @@ impl Fitted {
         for ((cause, factor), regressor) in causes.iter().zip(&regressors) {
             let [value, std] = mixture.coefficient(regressor).map(|nt| nt / self.unit_nt);
             match cause {
-                Cause::Step(before) => result.steps.push(BaselineStep {
-                    after: all.used[before - 1].names.last().cloned().unwrap_or_default(),
-                    before: all.used[*before].names[0].clone(),
-                    time: Start { unix_s: step_s(&all.used, *before), offset_s: 0.0 }
-                        .text()
-                        .unwrap_or_default(),
-                    size: Quantity::new(value, std),
-                    log_bayes_factor: *factor,
-                }),
+                Cause::Step(before) => {
+                    let time = Start { unix_s: step_s(&all.used, *before), offset_s: 0.0 };
+                    result.steps.push(BaselineStep {
+                        after: all.used[before - 1].names.last().cloned().unwrap_or_default(),
+                        before: all.used[*before].names[0].clone(),
+                        time: time.text().unwrap_or_default(),
+                        size: Quantity::new(value, std),
+                        log_bayes_factor: *factor,
+                    });
+                }
                 Cause::Column(column) => {
                     let Follows { name, mean, rms, .. } = &all.follows[*column];
                     result.follows.push(BaselineFollows {
@@ -237,13 +231,11 @@ impl Fitted {
             }
         }
         let probabilities = mixture.probabilities();
-        let best = probabilities
-            .iter()
-            .max_by(|a, b| a.1.total_cmp(&b.1))
-            .map_or(Trend::Spline, |(trend, _)| *trend);
+        let likeliest = probabilities.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        let best = likeliest.map_or(Trend::Spline, |(trend, _)| *trend);
         result.trend = best.name().to_string();
-        result.probabilities =
-            probabilities.iter().map(|(trend, share)| (trend.name().into(), *share)).collect();
+        let shares = probabilities.iter().map(|(trend, share)| (trend.name().into(), *share));
+        result.probabilities = shares.collect();
         result.scatter_std = mixture.scatter_nt() / self.unit_nt;
         result.left_out_rms = mixture.left_out_rms(best).unwrap_or(0.0) / self.unit_nt;
         result

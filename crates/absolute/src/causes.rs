@@ -18,14 +18,11 @@ const MOST: usize = 12;
 /// A column is known at a measurement from readings no further apart, s.
 const LONGEST_GAP_S: f64 = 86_400.0;
 
-/// What explains measurements beside the time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cause {
     /// Before this measurement.
     Step(usize),
-    /// This measurement alone.
     Off(usize),
-    /// This column.
     Column(usize),
 }
 
@@ -45,17 +42,14 @@ pub fn follows(document: &Document, times_s: &[f64]) -> Vec<Follows> {
         for (name, column) in &recording.columns {
             if name.ends_with("_c") || name.ends_with("_rad") {
                 let all = times.iter().zip(column.iter()).filter(|(_, value)| value.is_finite());
-                points
-                    .entry(name)
-                    .or_default()
-                    .extend(all.map(|(time, value)| (start.unix_s + time, *value)));
+                let all = all.map(|(time, value)| (start.unix_s + time, *value));
+                points.entry(name).or_default().extend(all);
             }
         }
     }
     let of = |(name, all): (&str, Vec<(f64, f64)>)| {
         let series = Series::of(all);
-        let at: Vec<f64> =
-            times_s.iter().map(|time| series.at(*time, LONGEST_GAP_S)).collect::<Option<Vec<f64>>>()?;
+        let at = times_s.iter().map(|time| series.at(*time, LONGEST_GAP_S)).collect::<Option<Vec<f64>>>()?;
         let mean = mean(&at);
         let rms = rms(&at.iter().map(|value| value - mean).collect::<Vec<_>>());
         (rms > 0.0 && times_s.len() > 3).then(|| Follows {
@@ -113,11 +107,9 @@ pub fn explained(
                 (cause, factor, factor - (members as f64).ln())
             })
             .max_by(|a, b| a.2.total_cmp(&b.2));
-        match best {
-            Some((cause, factor, odds)) if odds > TAKEN && taken.len() < MOST => {
-                taken.push((cause.clone(), factor))
-            }
-            _ => return Ok((taken, mixture)),
+        match best.filter(|(_, _, odds)| *odds > TAKEN && taken.len() < MOST) {
+            Some((cause, factor, _)) => taken.push((cause.clone(), factor)),
+            None => return Ok((taken, mixture)),
         }
     }
 }

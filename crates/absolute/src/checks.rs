@@ -40,10 +40,9 @@ fn signs(circle: &mut Circle) {
 
 fn faces(circle: &mut Circle) {
     let is_level = circle.is_level();
-    if let Circle::Field { zenith, .. } = circle
-        && is_level
-    {
-        *zenith = -*zenith;
+    match circle {
+        Circle::Field { zenith, .. } if is_level => *zenith = -*zenith,
+        _ => {}
     }
 }
 
@@ -67,7 +66,6 @@ fn with_rows(set: &Set, rows: Vec<Row>, known: Known) -> Option<(f64, Found)> {
 }
 
 /// That readings are those of a theodolite in the field of the Earth.
-///
 /// Errors: readings that fit with one mistake undone; readings that fit nothing, with the one without which they do.
 pub fn position(set: &Set, found: &Found, known: Known) -> Result<(), Error> {
     let off = per_freedom(found);
@@ -75,21 +73,16 @@ pub fn position(set: &Set, found: &Found, known: Known) -> Result<(), Error> {
         return Ok(());
     }
     let refused = |words: String| {
-        let words = format!("readings of \"{}\" {words}", set.id);
-        Err(Error::document(
-            &set.path,
-            words,
-            "the readings of one measurement; correct the sheet or leave it out",
-        ))
+        let expected = "the readings of one measurement; correct the sheet or leave it out";
+        Err(Error::document(&set.path, format!("readings of \"{}\" {words}", set.id), expected))
     };
     let undone = MISTAKES.into_iter().filter_map(|(change, words)| {
         let mut rows = set.rows.clone();
         rows.iter_mut().for_each(|row| change(&mut row.circle));
         Some((with_rows(set, rows, known)?.0, words))
     });
-    if let Some((_, words)) =
-        undone.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(left, _)| *left < EXPLAINS * off)
-    {
+    let undone = undone.min_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, words)) = undone.filter(|(left, _)| *left < EXPLAINS * off) {
         return refused(format!("that fit no field; {words}"));
     }
     let rms = off.sqrt() * known.circle;

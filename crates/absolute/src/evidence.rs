@@ -32,7 +32,6 @@ const LEAST: f64 = 1e-4;
 /// How a baseline goes, beside a random walk: pillars wander a little in any case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trend {
-    /// Of this degree.
     Polynomial(usize),
     Spline,
 }
@@ -55,17 +54,13 @@ impl Trend {
     }
 }
 
-/// What the measurements are explained by, at their times and anywhere else.
 pub struct Regressor {
-    /// At each measurement.
     pub at: Vec<f64>,
     /// Standard deviation of its coefficient, nT.
     pub prior_nt: f64,
 }
 
-/// Measurements of one component.
 pub struct Data {
-    /// Years since the first.
     pub years: Vec<f64>,
     /// Less their mean, nT.
     pub value_nt: Vec<f64>,
@@ -93,14 +88,11 @@ pub struct Mixture {
 /// What is known at a time that is asked for.
 pub struct At {
     pub years: f64,
-    /// The regressors there.
     pub regressors: Vec<f64>,
 }
 
 impl Mixture {
-    /// Weighs the trends.
-    ///
-    /// Errors: a covariance that is not positive definite.
+    /// Weighs the trends. Errors: a covariance that is not positive definite.
     pub fn of(data: &Data, regressors: &[Regressor]) -> Result<Self, Error> {
         let span_years = data.years.iter().copied().fold(SHORTEST_YEARS, f64::max);
         let mut points = Vec::new();
@@ -163,7 +155,6 @@ impl Mixture {
         })
     }
 
-    /// Mean of the scatter.
     pub fn scatter_nt(&self) -> f64 {
         self.points.iter().map(|(point, share)| share * point.scatter_nt).sum()
     }

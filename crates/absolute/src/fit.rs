@@ -35,7 +35,6 @@ pub struct Known {
     pub scalar_nt: f64,
 }
 
-/// The readings of a set as a problem.
 struct Readings<'a> {
     set: &'a Set,
     components: Components,
@@ -46,7 +45,6 @@ struct Readings<'a> {
     start: [f64; UNKNOWNS],
 }
 
-/// A measurement with what it says.
 pub struct Found {
     pub components: Components,
     /// Rows of the circles, in the order of the residuals.
@@ -58,12 +56,10 @@ pub struct Found {
     per_residual: Vec<f64>,
 }
 
-/// Baseline values of a state.
 pub fn baseline(state: &[f64; UNKNOWNS]) -> Vector3<f64> {
     Vector3::new(state[0], state[1], state[2])
 }
 
-/// The telescope's magnetometer of a state.
 pub fn mounting(state: &[f64; UNKNOWNS]) -> Mounting {
     Mounting { offset_nt: state[OFFSET], horizontal_rad: state[HORIZONTAL], vertical_rad: state[VERTICAL] }
 }
@@ -73,14 +69,11 @@ pub fn north(state: &[f64; UNKNOWNS]) -> f64 {
     state[NORTH]
 }
 
-/// The magnetic declination of a field.
 pub fn declination(field: &Vector3<f64>) -> f64 {
     field.y.atan2(field.x)
 }
 
-/// Finds the baseline values of a measurement.
-///
-/// Errors: readings that do not determine them, naming what is missing.
+/// Finds the baseline values of a measurement. Errors: readings that do not determine them, naming what is missing.
 pub fn fit(set: &Set, known: Known) -> Result<Found, Error> {
     let components = set.components.unwrap_or_default();
     let circles: Vec<&Row> = set.rows.iter().filter(|row| row.circle != Circle::None).collect();
@@ -97,11 +90,8 @@ pub fn fit(set: &Set, known: Known) -> Result<Found, Error> {
     let fit = solve(&problem, start, None, &Options::default())
         .map_err(|error| Error::Fit(format!("\"{}\": {error}", set.id)))?;
     if fit.svd.rank() < UNKNOWNS {
-        return Err(missing(
-            set,
-            &problem.circles,
-            start[NORTH] + declination(&field(components, &start, &mean(&problem.circles)).0),
-        ));
+        let field = field(components, &start, &mean(&problem.circles)).0;
+        return Err(missing(set, &problem.circles, start[NORTH] + declination(&field)));
     }
     // The sum of the scalars' rows for 1 nT.
     let count = problem.circles.len();
@@ -149,7 +139,6 @@ impl Readings<'_> {
         }
     }
 
-    /// Derivatives of a reading by the two circles.
     fn by_circles(&self, azimuth: Azimuth, zenith: f64, row: &Row) -> [f64; 2] {
         let (field, _) = field(self.components, &self.start, &row.variometer_nt);
         let seen = sighting(&field, azimuth.of(&self.start, &field), zenith, &mounting(&self.start));
@@ -159,7 +148,6 @@ impl Readings<'_> {
 }
 
 impl Azimuth {
-    /// From north.
     fn of(self, state: &[f64; UNKNOWNS], field: &Vector3<f64>) -> f64 {
         self.geographic(state[NORTH], declination(field))
     }

@@ -13,7 +13,6 @@ const MOST: usize = 500;
 const COMMON: [&str; 2] = ["azimuth of the mark", "scalar magnetometer and difference of the pillars"];
 
 /// Puts the baseline values of all measurements into `calibration.uncertainty`.
-///
 /// Errors: a stated uncertainty that none can be.
 pub fn put(document: &mut Document, measured: &Measured, written: &[AbsoluteSet]) -> Result<(), Error> {
     if written.len() > MOST {
@@ -29,16 +28,11 @@ pub fn put(document: &mut Document, measured: &Measured, written: &[AbsoluteSet]
         let parameters: Vec<String> = set.baseline.keys().map(path).collect();
         let (readings, found) = &measured.sets[at];
         let units = found.components.units();
-        for ((name, moved), stated) in
-            COMMON.iter().zip(measured.common(at)).zip([readings.azimuth[0].to_degrees(), readings.pillar[0]])
-        {
+        let stated = [readings.azimuth[0].to_degrees(), readings.pillar[0]];
+        for ((name, moved), stated) in COMMON.iter().zip(measured.common(at)).zip(stated) {
             let moves = common.entry(format!("{name}, {stated:.4}")).or_default();
-            let moved = parameters.iter().zip(moved.iter().zip(units));
-            moves.extend(
-                moved
-                    .filter(|(_, (size, _))| **size != 0.0)
-                    .map(|(path, (size, unit))| (path.clone(), size / unit)),
-            );
+            let moved = parameters.iter().zip(moved.iter().zip(units)).filter(|(_, (size, _))| **size != 0.0);
+            moves.extend(moved.map(|(path, (size, unit))| (path.clone(), size / unit)));
         }
         let block = Block {
             name: format!("measurement {}", set.recording),

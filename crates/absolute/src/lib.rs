@@ -35,10 +35,7 @@ use physics::frames::ARCSEC;
 pub const PROCEDURES: [&str; 2] = [procedure::ABSOLUTE, procedure::VARIOMETER];
 
 /// Finds the field and the baseline values of every measurement, and writes them to `calibration.absolute`.
-///
-/// # Errors
-///
-/// No recording that can be used; a measurement that is incomplete, or that fits no field.
+/// Errors: no recording that can be used; a measurement that is incomplete, or that fits no field.
 pub fn run(mut document: Document) -> Result<Document, Error> {
     let variometer = variometer::variometer(&document)?;
     let sets = read::sets(&document, variometer.as_ref())?;
@@ -55,9 +52,8 @@ pub fn run(mut document: Document) -> Result<Document, Error> {
             Some(adopted)
         }
         None => {
-            findings.push(Code::NotDetermined.said(
-                "no variometer: the field is taken as constant during each measurement, and there is no baseline",
-            ));
+            let words = "no variometer: the field is taken as constant during each measurement, and there is no baseline";
+            findings.push(Code::NotDetermined.said(words));
             None
         }
     };

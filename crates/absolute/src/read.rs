@@ -16,10 +16,8 @@ const LEVEL: f64 = 0.035;
 /// Measurements further apart than this are not of one baseline, s.
 const LONGEST_S: f64 = 50.0 * 365.25 * 86_400.0;
 
-/// One row of a measurement.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Of the recording.
     pub row: usize,
     /// Unix time, s; NaN where it is not stated.
     pub time_s: f64,
@@ -34,9 +32,15 @@ pub struct Row {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Circle {
     /// Towards the mark, magnetometer above or below.
-    Mark { horizontal: f64, above: bool },
-    /// Of the field.
-    Field { azimuth: Azimuth, zenith: f64, reading_nt: f64 },
+    Mark {
+        horizontal: f64,
+        above: bool,
+    },
+    Field {
+        azimuth: Azimuth,
+        zenith: f64,
+        reading_nt: f64,
+    },
     /// The scalar alone.
     None,
 }
@@ -61,13 +65,11 @@ impl Azimuth {
 }
 
 impl Circle {
-    /// Whether the telescope was level and its circle read.
     pub fn is_level(&self) -> bool {
         matches!(self, Self::Field { azimuth: Azimuth::Circle(_), zenith, .. } if zenith.cos().abs() < LEVEL)
     }
 }
 
-/// One measurement.
 pub struct Set {
     pub id: String,
     pub path: String,
@@ -81,9 +83,7 @@ pub struct Set {
     pub without_variometer: Vec<usize>,
 }
 
-/// The measurements, in the order of time.
-///
-/// Errors: what a measurement lacks; circles that none has.
+/// The measurements, in the order of time. Errors: what a measurement lacks; circles that none has.
 pub fn sets(document: &Document, variometer: Option<&Variometer>) -> Result<Vec<Set>, Error> {
     let mut sets = Vec::new();
     for (index, recording) in document.recordings.iter().enumerate() {
@@ -139,9 +139,7 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
             recording.column("reference_nt").map(|column| column[row]).filter(|value| value.is_finite());
         let in_sheet = own.map(|columns| Vector3::from(columns.map(|column| column[row])));
         let (variometer_nt, beside) = match (in_sheet, variometer) {
-            (Some(reading), _) => {
-                (Some(reading).filter(|reading| reading.iter().all(|v| v.is_finite())), f64::NAN)
-            }
+            (Some(reading), _) => (Some(reading).filter(|one| one.iter().all(|v| v.is_finite())), f64::NAN),
             (None, Some(variometer)) => (
                 variometer.reading_nt.at(time_s, LONGEST_STEP_S),
                 variometer.scalar_nt.at(time_s, LONGEST_STEP_S).unwrap_or(f64::NAN),
@@ -162,13 +160,8 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
             // The scalar of the sheet stands before that beside the variometer.
             let scalar_nt = scalar.or(Some(beside).filter(|value| is_field && value.is_finite()));
             let scalar_nt = scalar_nt.filter(|_| variometer_nt.is_some());
-            rows.push(Row {
-                row,
-                time_s,
-                circle,
-                variometer_nt: variometer_nt.unwrap_or_default(),
-                scalar_nt,
-            });
+            let variometer_nt = variometer_nt.unwrap_or_default();
+            rows.push(Row { row, time_s, circle, variometer_nt, scalar_nt });
         }
     }
     if rows.iter().any(|row| row.scalar_nt.is_some() && matches!(row.circle, Circle::None)) {
@@ -188,15 +181,8 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
     };
     let pillar = both(stated("pillar_difference_nt")?);
     let components = own_components.or(variometer.map(|variometer| variometer.components));
-    let set = Set {
-        id: recording.id.clone(),
-        azimuth: both(azimuth).map(f64::to_radians),
-        pillar,
-        components,
-        rows,
-        path,
-        without_variometer,
-    };
+    let (id, azimuth) = (recording.id.clone(), both(azimuth).map(f64::to_radians));
+    let set = Set { id, azimuth, pillar, components, rows, path, without_variometer };
     if own_components.is_some() && time(&set).is_nan() {
         let expected = "`start` and `time_s` of its readings: a baseline value holds at a moment";
         return Err(Error::document(set.path, "no times", expected));
@@ -204,7 +190,6 @@ fn set(recording: &Recording, path: String, variometer: Option<&Variometer>) -> 
     Ok(set)
 }
 
-/// What was read of the circles in a row.
 fn circle(recording: &Recording, path: &str, row: usize, reading_nt: f64) -> Result<Circle, Error> {
     let angle = |name: &str| -> Result<f64, Error> {
         let degrees = recording.column(name).map_or(f64::NAN, |column| column[row]);
@@ -269,11 +254,9 @@ fn face(above: bool) -> &'static str {
 /// What is said of readings at which the variometer was silent.
 pub fn silent(set: &Set) -> Option<String> {
     let first = set.without_variometer.first()?;
+    let (count, within) = (counted(set.without_variometer.len(), "reading"), significant(LONGEST_STEP_S, 2));
+    let (id, first) = (&set.id, bare(*first as f64));
     Some(format!(
-        "{} of \"{}\" without a reading of the variometer within {} s, left out, the first in row {}",
-        counted(set.without_variometer.len(), "reading"),
-        set.id,
-        significant(LONGEST_STEP_S, 2),
-        bare(*first as f64)
+        "{count} of \"{id}\" without a reading of the variometer within {within} s, left out, the first in row {first}"
     ))
 }

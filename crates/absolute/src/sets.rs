@@ -24,7 +24,6 @@ const USUAL: f64 = 0.01;
 /// Share of chance below which a measurement scatters more than its circle allows.
 const SCATTERS: f64 = 1e-4;
 
-/// The measurements as they are fitted.
 pub struct Measured {
     pub sets: Vec<(Set, Found)>,
     pub known: Known,
@@ -33,7 +32,6 @@ pub struct Measured {
 }
 
 /// Fits all of them. The uncertainty of a circle reading is the stated one, or the scatter of all readings.
-///
 /// Errors: as [`fit`]; readings that fit no position.
 pub fn measured(document: &Document, sets: Vec<Set>) -> Result<Measured, Error> {
     let facility = document.facility.as_ref();
@@ -110,20 +108,13 @@ impl Measured {
         baseline(&self.sets[at].1.fit.state)
     }
 
-    /// When a measurement was made, Unix, s.
     pub fn time_s(&self, at: usize) -> f64 {
         read::time(&self.sets[at].0)
     }
 
-    /// The horizontal intensity in the mean.
     pub fn horizontal_nt(&self) -> f64 {
         let all = self.sets.iter().map(|(_, found)| found.field().0);
         all.map(|field| field.x.hypot(field.y)).sum::<f64>() / self.sets.len() as f64
-    }
-
-    /// The factor from a standard uncertainty to a 95 % interval.
-    fn factor(&self) -> f64 {
-        coverage_factor(0.95, self.freedom)
     }
 
     /// What is written of a measurement. Errors of all its readings, such as the levelling, show in the scatter of the
@@ -137,7 +128,7 @@ impl Measured {
         let std = (by * (self.covariance(at) + common) * by.transpose())
             .diagonal()
             .map(|variance: f64| variance.max(0.0).sqrt());
-        let factor = self.factor();
+        let factor = coverage_factor(0.95, self.freedom);
         let quantity =
             |k: usize, unit: f64| Quantity::new(values[k] / unit, std[k] / unit).covered_by(factor);
         let degree = 1_f64.to_radians();
@@ -215,12 +206,10 @@ impl Measured {
         let (set, found) = &self.sets[at];
         let (chi_squared, free) = found.circles();
         if let Some(worst) = self.outlier(at) {
+            let (off, t) = (significant(worst.leave_one_out_arcsec, 2), significant(worst.t, 2));
+            let AbsoluteReading { row, position, .. } = worst;
             let words = format!(
-                "row {} ({}) is off by {}″ from what the other readings give (t = {}); read the circle of this position again, or correct the sheet",
-                worst.row,
-                worst.position,
-                significant(worst.leave_one_out_arcsec, 2),
-                significant(worst.t, 2)
+                "row {row} ({position}) is off by {off}″ from what the other readings give (t = {t}); read the circle of this position again, or correct the sheet"
             );
             return Some(Code::Outliers.about(&set.id).said(words));
         }

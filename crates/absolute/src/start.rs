@@ -7,7 +7,6 @@ use std::f64::consts::PI;
 use crate::Error;
 use crate::read::{Circle, Row, Set};
 
-/// How many unknowns there are.
 pub const UNKNOWNS: usize = 8;
 /// What an offset costs where a calculation begins; views are unit vectors.
 const RATHER: f64 = 1e-6;
@@ -17,18 +16,13 @@ pub fn wrapped(angle: f64) -> f64 {
     angle - 2.0 * PI * (angle / (2.0 * PI)).round()
 }
 
-/// The mean reading of the variometer, nT.
 pub fn mean(rows: &[&Row]) -> Vector3<f64> {
-    let fields: Vec<&Vector3<f64>> = rows
-        .iter()
-        .filter(|row| matches!(row.circle, Circle::Field { .. }))
-        .map(|row| &row.variometer_nt)
-        .collect();
+    let is_field = |row: &&&Row| matches!(row.circle, Circle::Field { .. });
+    let fields: Vec<&Vector3<f64>> = rows.iter().filter(is_field).map(|row| &row.variometer_nt).collect();
     fields.iter().copied().sum::<Vector3<f64>>() / fields.len() as f64
 }
 
 /// Where the iteration begins: without collimations, by the direction that all readings are at right angles to.
-///
 /// Errors: readings that do not determine it.
 pub fn start(
     set: &Set,
@@ -44,9 +38,8 @@ pub fn start(
         })
         .collect();
     let Some(first) = marks.first() else {
-        return Err(refused(
-            "no reading of the azimuth mark, a row with horizontal_deg and vertical_deg and without residual_nt".into(),
-        ));
+        let words = "no reading of the azimuth mark, a row with horizontal_deg and vertical_deg and without residual_nt";
+        return Err(refused(words.into()));
     };
     let spread = marks.iter().map(|mark| wrapped(mark - first)).sum::<f64>() / marks.len() as f64;
     if let Some(off) = marks.iter().map(|mark| wrapped(mark - first).abs()).find(|off| *off > 0.1) {

@@ -8,12 +8,10 @@ use std::ops::{Add, Mul, Sub};
 /// Rows further apart than this do not say what the field was between them, s.
 pub const LONGEST_STEP_S: f64 = 90.0;
 
-/// The variometer's recordings.
 pub struct Variometer {
     pub components: Components,
     pub recordings: Vec<String>,
     pub reading_nt: Series<Vector3<f64>>,
-    /// In the same recordings or in ones of its own.
     pub scalar_nt: Series<f64>,
 }
 
@@ -40,7 +38,6 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Series<
 }
 
 /// All recordings of the procedure `variometer`; None where none has three sensors.
-///
 /// Errors: recordings without a start, or along other components.
 pub fn variometer(document: &Document) -> Result<Option<Variometer>, Error> {
     let (mut readings, mut scalars, mut recordings) = (Vec::new(), Vec::new(), Vec::new());
@@ -87,9 +84,7 @@ pub fn variometer(document: &Document) -> Result<Option<Variometer>, Error> {
     Ok(along.map(|components| Variometer { components, recordings, reading_nt, scalar_nt }))
 }
 
-/// A column that the procedure needs.
-///
-/// Errors: there is none.
+/// A column that the procedure needs. Errors: there is none.
 pub fn needed<'a>(recording: &'a Recording, path: &str, name: &str) -> Result<&'a [f64], Error> {
     recording.column(name).ok_or_else(|| {
         let expected = format!("{name}, which the procedure `{}` needs", recording.procedure);
@@ -97,24 +92,17 @@ pub fn needed<'a>(recording: &'a Recording, path: &str, name: &str) -> Result<&'
     })
 }
 
-/// The columns of three sensors in nT.
-///
-/// Errors: one is missing.
+/// The columns of three sensors in nT. Errors: one is missing.
 pub fn sensors<'a>(recording: &'a Recording, path: &str) -> Result<[&'a [f64]; 3], Error> {
     let [x, y, z] = Axis::ALL.map(|axis| needed(recording, path, &format!("sensor_{axis}_nt")));
     Ok([x?, y?, z?])
 }
 
-/// What the sensors are along, as the conditions say.
-///
-/// Errors: a name that is none.
+/// What the sensors are along, as the conditions say. Errors: a name that is none.
 pub fn components(recording: &Recording, path: &str) -> Result<Components, Error> {
     let Some(stated) = recording.conditions.extra.get("components") else { return Ok(Components::default()) };
     stated.as_str().and_then(Components::of).ok_or_else(|| {
-        Error::document(
-            format!("{path}.conditions.components"),
-            stated.to_string(),
-            "\"hez\", sensors along the magnetic meridian, across it and down, or \"xyz\", along geographic north, east and down",
-        )
+        let expected = "\"hez\", sensors along the magnetic meridian, across it and down, or \"xyz\", along geographic north, east and down";
+        Error::document(format!("{path}.conditions.components"), stated.to_string(), expected)
     })
 }

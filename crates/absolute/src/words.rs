@@ -1,9 +1,8 @@
 //! The result in a few lines for people.
 
-use common::Document;
 use common::number::{counted, significant};
+use common::{Document, Quantity};
 
-/// Most measurements that are listed.
 const LISTED: usize = 12;
 
 /// The field and the baseline of every measurement, and what looks wrong.
@@ -11,25 +10,17 @@ pub fn summary(document: &Document) -> String {
     let calibration = document.calibration.as_ref().and_then(|calibration| calibration.absolute.as_ref());
     let Some(found) = calibration else { return String::new() };
     let count = found.sets.len();
-    let mut lines = vec![format!(
-        "absolute: {}; standard uncertainty of a circle reading {}″",
-        counted(count, "measurement"),
-        significant(found.circle_arcsec, 2)
-    )];
+    let (measured, arcsec) = (counted(count, "measurement"), significant(found.circle_arcsec, 2));
+    let mut lines = vec![format!("absolute: {measured}; standard uncertainty of a circle reading {arcsec}″")];
     for set in found.sets.iter().take(LISTED) {
-        let baseline: Vec<String> = set
-            .baseline
-            .iter()
-            .map(|(key, value)| {
-                let (name, unit) = named(key);
-                format!("{name} {value}{unit}")
-            })
-            .collect();
+        let told = |(key, value): (&String, &Quantity)| {
+            let (name, unit) = named(key);
+            format!("{name} {value}{unit}")
+        };
+        let baseline: Vec<String> = set.baseline.iter().map(told).collect();
         let magnitude = set.f_nt.as_ref().map_or_else(String::new, |f| format!(", F {f} nT"));
-        lines.push(format!(
-            "  {} D {}°, I {}°{magnitude}",
-            set.time, set.declination_deg, set.inclination_deg
-        ));
+        let (d, i) = (&set.declination_deg, &set.inclination_deg);
+        lines.push(format!("  {} D {d}°, I {i}°{magnitude}", set.time));
         if !baseline.is_empty() {
             lines.push(format!("    baseline {}", baseline.join(", ")));
         }
@@ -42,11 +33,9 @@ pub fn summary(document: &Document) -> String {
     for (key, one) in adopted.flat_map(|adopted| &adopted.components) {
         let share = one.probabilities.get(&one.trend).copied().unwrap_or_default();
         let (name, unit) = named(key);
+        let (trend, share, rms) = (&one.trend, significant(share, 2), significant(one.left_out_rms, 2));
         let mut words = format!(
-            "  adopted {name}: {} (probability {}), leave-one-out residuals {}{unit} rms",
-            one.trend,
-            significant(share, 2),
-            significant(one.left_out_rms, 2)
+            "  adopted {name}: {trend} (probability {share}), leave-one-out residuals {rms}{unit} rms"
         );
         for follows in &one.follows {
             words += &format!(", follows {} by {}{unit} per unit", follows.column, follows.coefficient);

@@ -95,13 +95,8 @@ fn covered(name: &str, usual: u64, plan: &ObservatoryPlan) {
 
 /// Circles and magnetometer alone: what the readings themselves tell.
 fn plain() -> TheodolitePlan {
-    TheodolitePlan {
-        levelling_arcsec: 0.0,
-        residual_nt: 0.05,
-        time_s: 0.5,
-        scalar_nt: 0.0,
-        ..TheodolitePlan::default()
-    }
+    let (levelling_arcsec, residual_nt, time_s, scalar_nt) = (0.0, 0.05, 0.5, 0.0);
+    TheodolitePlan { levelling_arcsec, residual_nt, time_s, scalar_nt, ..TheodolitePlan::default() }
 }
 
 fn of(baseline: BaselinePlan) -> ObservatoryPlan {
@@ -118,6 +113,7 @@ fn intervals_hold() {
     let walk = BaselinePlan { walk_nt: 3.0, ..BaselinePlan::default() };
     // The error of the scalar magnetometer is the same in all measurements of a year: its interval is not judged here.
     let observer = TheodolitePlan { scalar_nt: 0.0, ..TheodolitePlan::default() };
+    let levelled = ObservatoryPlan { theodolite: observer, ..ObservatoryPlan::default() };
     let cases = [
         ("wandering a little", plan),
         ("xyz, null method", xyz),
@@ -125,10 +121,7 @@ fn intervals_hold() {
         ("a step", of(step)),
         ("a straight drift", of(straight)),
         ("a random walk", of(walk)),
-        (
-            "levelling and times as well",
-            ObservatoryPlan { theodolite: observer, ..ObservatoryPlan::default() },
-        ),
+        ("levelling and times as well", levelled),
     ];
     cases.iter().for_each(|(name, plan)| covered(name, 2, plan));
 }

@@ -36,11 +36,8 @@ fn near(id: &Value, key: &str, found: f64, expected: f64, [deg, nt]: [f64; 2]) {
 fn readings_and_results_of_observatories() {
     let all = reference("absolute_usgs");
     assert_eq!((list(&all["usgs"]).len(), list(&all["wic"]).len()), (3, 2));
-    for (one, is_usgs) in list(&all["usgs"])
-        .iter()
-        .map(|one| (one, true))
-        .chain(list(&all["wic"]).iter().map(|one| (one, false)))
-    {
+    let [usgs, wic] = ["usgs", "wic"].map(|of| list(&all[of]).iter().map(move |one| (one, of == "usgs")));
+    for (one, is_usgs) in usgs.chain(wic) {
         let (id, found) = (&one["recording"]["id"], found(one));
         for key in ["h_nt", "d_deg", "z_nt"] {
             let of = |what: &str| number(&one[what][key]);
