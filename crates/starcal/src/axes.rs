@@ -7,7 +7,6 @@ use physics::frames::polar;
 use crate::Error;
 use crate::layout::FIELD_NT;
 
-/// What is wrong where there are no axes.
 pub fn no_axes() -> Error {
     Error::Unanswerable("the sensors lie in a plane, or are left-handed: one reads the field with the opposite sign, or two are exchanged; check the columns".into())
 }
@@ -20,9 +19,7 @@ pub struct Axes {
     pub offset_nt: Vector3<f64>,
     /// The directions of the sensors in SEN.
     pub mu: Matrix3<f64>,
-    /// SEN to the first camera.
     pub turn: Matrix3<f64>,
-    /// M, m₀.
     pub linear: Matrix3<f64>,
     pub constant: Vector3<f64>,
 }
@@ -39,14 +36,8 @@ impl Axes {
         let seen = Matrix3::from_fn(|i, j| inverse[(j, i)] / lengths[j]);
         let turn = polar(&(seen * stated.transpose())).filter(|turn| turn.determinant() > 0.0)?;
         let k = lengths.map(|length| 1.0 / length);
-        Some(Self {
-            k,
-            offset_nt: seen.transpose() * constant,
-            mu: turn.transpose() * seen,
-            turn,
-            linear,
-            constant,
-        })
+        let (offset_nt, mu) = (seen.transpose() * constant, turn.transpose() * seen);
+        Some(Self { k, offset_nt, mu, turn, linear, constant })
     }
 
     /// What one nT along a sensor is in the frame of the first camera: C μ⁻ᵀ eₖ.

@@ -8,10 +8,8 @@ use faer::{Col, Mat, Side};
 
 /// ln of the posterior odds from which a term is taken.
 const TAKEN: f64 = 3.0;
-/// Most terms.
 const MOST: usize = 8;
 
-/// What was chosen.
 pub struct Chosen<T> {
     /// Each with ln of its Bayes factor.
     pub terms: Vec<(T, f64)>,
@@ -21,9 +19,7 @@ pub struct Chosen<T> {
     pub fit: Fit,
 }
 
-/// Takes terms beside directions that are fitted.
-/// `may` says whether a term is looked at beside others.
-///
+/// Takes terms beside directions that are fitted; `may` says whether a term is looked at beside others.
 /// Errors: what the rows do not determine.
 pub fn choose<T: Copy + PartialEq>(
     flight: &Flight,

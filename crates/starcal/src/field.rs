@@ -14,7 +14,6 @@ const EARTH_RAD_PER_S: f64 = 7.292_115e-5;
 /// The coefficients of a model are those of the nearest day.
 const DAY_S: f64 = 86_400.0;
 
-/// A field, in all frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
     /// North, east and down, nT.
@@ -35,17 +34,11 @@ pub struct Fields {
 
 impl Fields {
     pub fn new(model: Model, ut1_utc_s: f64, frame: AttitudeFrame) -> Self {
-        Self {
-            model,
-            day: None,
-            celestial: Celestial::new(ut1_utc_s),
-            is_celestial: frame == AttitudeFrame::Icrf,
-        }
+        let is_celestial = frame == AttitudeFrame::Icrf;
+        Self { model, day: None, celestial: Celestial::new(ut1_utc_s), is_celestial }
     }
 
-    /// The field of a row, of which time counts since 1970, UTC.
-    ///
-    /// Errors: what was found, and what was expected.
+    /// The field of a row, of which time counts since 1970, UTC. Errors: what was found, and what was expected.
     pub fn known(&mut self, row: &Row) -> Result<Known, [String; 2]> {
         let geo = match (row.ambient_nt, row.place) {
             (Some(ambient), _) => ambient,
@@ -61,10 +54,8 @@ impl Fields {
         let to_earth = match self.celestial.to_earth(row.time_s) {
             Some(to_earth) => to_earth,
             None if self.is_celestial => {
-                return Err([
-                    format!("a time of {} s since 1970", row.time_s),
-                    "UTC since 1972 beside attitudes from icrf: give `start`, or times since 1970".into(),
-                ]);
+                let expected = "UTC since 1972 beside attitudes from icrf: give `start`, or times since 1970";
+                return Err([format!("a time of {} s since 1970", row.time_s), expected.into()]);
             }
             None => Matrix3::identity(),
         };
@@ -80,11 +71,10 @@ impl Fields {
             let at = year.and_then(|year| self.model.at(year));
             let [from, to] = self.model.years();
             let at = at.ok_or_else(|| {
-                let of = format!(
-                    "one of {from} to {to}, for which {} is: give `start`, or times since 1970",
-                    self.model
-                );
-                [format!("a time of {time_s} s since 1970"), of]
+                let model = self.model;
+                let years =
+                    format!("one of {from} to {to}, for which {model} is: give `start`, or times since 1970");
+                [format!("a time of {time_s} s since 1970"), years]
             })?;
             self.day = Some((day, at));
         }
@@ -93,7 +83,6 @@ impl Fields {
 }
 
 impl Known {
-    /// In a frame.
     pub fn of(&self, frame: AttitudeFrame) -> Vector3<f64> {
         match frame {
             AttitudeFrame::Geo => self.geo,

@@ -32,11 +32,9 @@ pub struct Flight<'a> {
     pub half_span_s: f64,
     /// TAI less UTC in the middle of it, s.
     pub leap_s: Option<f64>,
-    /// Signals.
     pub count: usize,
 }
 
-/// What was found.
 #[derive(Clone, Debug)]
 pub struct Fit {
     /// A unit for each direction.
@@ -47,9 +45,6 @@ pub struct Fit {
     /// The same with few windows correlated.
     pub short: Mat<f64>,
 }
-
-/// Products of each window with the weights of all rows.
-pub struct Weighted(Vec<Mat<f64>>);
 
 /// Normal equations about a state: the matrix and the right side.
 struct Normal {
@@ -78,7 +73,6 @@ impl<'a> Flight<'a> {
         Self { windows: windows.collect(), half_span_s, leap_s, count }
     }
 
-    /// How many windows there are.
     pub fn windows(&self) -> usize {
         self.windows.len()
     }
@@ -115,7 +109,7 @@ impl<'a> Flight<'a> {
     }
 
     /// The products of each window, each kind of row by the weight of its variance.
-    pub fn weighted(&self, variances: &Kinds) -> Weighted {
+    pub fn weighted(&self, variances: &Kinds) -> Vec<Mat<f64>> {
         let width = 3 * self.count + DELAYS + 1;
         let of = |(_, window): &(f64, &OfWindow)| {
             let mut sum = Mat::zeros(width, width);
@@ -123,11 +117,10 @@ impl<'a> Flight<'a> {
             all.for_each(|(products, variance)| products.add_to(&mut sum, 1.0 / variance));
             sum
         };
-        Weighted(self.windows.iter().map(of).collect())
+        self.windows.iter().map(of).collect()
     }
 
-    /// Normal equations of each window.
-    fn normal(&self, directions: &[Direction], values: &[f64], weighted: &Weighted) -> Vec<Normal> {
+    fn normal(&self, directions: &[Direction], values: &[f64], weighted: &[Mat<f64>]) -> Vec<Normal> {
         let count = directions.len();
         let of = |((time, _), sum): (&(f64, &OfWindow), &Mat<f64>)| {
             let mut normal = Normal { matrix: Mat::zeros(count, count), right: Col::zeros(count) };
@@ -148,25 +141,19 @@ impl<'a> Flight<'a> {
             normal.matrix = mirrored(normal.matrix);
             normal
         };
-        self.windows.iter().zip(&weighted.0).map(of).collect()
+        self.windows.iter().zip(weighted).map(of).collect()
     }
 
-    /// The mean of a signal.
     pub fn mean(&self, layout: &Layout, signal: &Signal) -> f64 {
         let signals = layout.signals(0);
         let place = |of: &Signal| signals.iter().position(|one| one == of).unwrap_or_default();
         let (one, of) = (place(&Signal::One), place(signal));
-        let [sum, rows] = [of, one].map(|place| {
-            self.weighted(&[[1.0; DIRECTIONS]; PLACES])
-                .0
-                .iter()
-                .map(|window| window[(one, place)])
-                .sum::<f64>()
-        });
+        let windows = self.weighted(&[[1.0; DIRECTIONS]; PLACES]);
+        let [sum, rows] =
+            [of, one].map(|place| windows.iter().map(|window| window[(one, place)]).sum::<f64>());
         sum / rows
     }
 
-    /// Rows of each kind.
     pub fn rows(&self) -> Kinds {
         let mut rows = Kinds::default();
         for (_, window) in &self.windows {
@@ -176,7 +163,6 @@ impl<'a> Flight<'a> {
         rows
     }
 
-    /// The variances of the rows about values.
     fn variances(&self, directions: &[Direction], values: &[f64]) -> Kinds {
         let mut found = Kinds::default();
         for (time, window) in &self.windows {
@@ -198,9 +184,8 @@ impl<'a> Flight<'a> {
     }
 
     /// The values by weights as they are, with the normal equations about them and their inverse.
-    ///
     /// Errors: what the rows do not determine.
-    fn solve(&self, directions: &[Direction], weighted: &Weighted) -> Result<Solved, Error> {
+    fn solve(&self, directions: &[Direction], weighted: &[Mat<f64>]) -> Result<Solved, Error> {
         let mut values = vec![0.0; directions.len()];
         // Once more, for the digits that the first step loses.
         for _ in 0..2 {
@@ -214,19 +199,21 @@ impl<'a> Flight<'a> {
         Ok(Solved { values, normals, whole, nominal })
     }
 
-    /// The fit with weights as they are.
-    ///
-    /// Errors: what the rows do not determine.
-    pub fn fit(&self, directions: &[Direction], variances: Kinds, weighted: &Weighted) -> Result<Fit, Error> {
-        let Solved { values, normals, whole, nominal } = self.solve(directions, weighted)?;
-        let moved = moved(&normals, &whole, &nominal);
+    /// The fit with weights as they are. Errors: what the rows do not determine.
+    pub fn fit(
+        &self,
+        directions: &[Direction],
+        variances: Kinds,
+        weighted: &[Mat<f64>],
+    ) -> Result<Fit, Error> {
+        let solved = self.solve(directions, weighted)?;
+        let moved = moved(&solved);
+        let Solved { values, nominal, .. } = solved;
         let [covariance, short] = self.lags().map(|lags| by_windows(&moved, &nominal, lags));
         Ok(Fit { values, variances, covariance, short })
     }
 
-    /// The fit with the weights that follow from it, from some that are near.
-    ///
-    /// Errors: what the rows do not determine.
+    /// The fit with the weights that follow from it, from some that are near. Errors: what the rows do not determine.
     pub fn settled(&self, directions: &[Direction], from: &Kinds) -> Result<Fit, Error> {
         let mut variances = *from;
         for _ in 0..ROUNDS {
@@ -249,7 +236,6 @@ impl Normal {
     }
 }
 
-/// A combination of the columns of a matrix.
 fn combined(sum: &Mat<f64>, places: impl Iterator<Item = (usize, f64)>) -> Vec<f64> {
     let mut all = vec![0.0; sum.nrows()];
     for (place, size) in places {
@@ -258,9 +244,7 @@ fn combined(sum: &Mat<f64>, places: impl Iterator<Item = (usize, f64)>) -> Vec<f
     all
 }
 
-/// The inverse of a matrix of normal equations.
-///
-/// Errors: one that is singular.
+/// The inverse of a matrix of normal equations. Errors: one that is singular.
 fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
     let count = matrix.nrows();
     let scale: Vec<f64> = (0..count).map(|k| matrix[(k, k)].sqrt().recip()).collect();
@@ -281,7 +265,7 @@ fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
 }
 
 /// How the values move without each window (jackknife).
-fn moved(normals: &[Normal], whole: &Normal, nominal: &Mat<f64>) -> Vec<Col<f64>> {
+fn moved(Solved { normals, whole, nominal, .. }: &Solved) -> Vec<Col<f64>> {
     let of = |normal: &Normal| -> Col<f64> {
         let right = &normal.right - &whole.right * faer::Scale(1.0 / normals.len() as f64);
         match (&whole.matrix - &normal.matrix).llt(Side::Lower) {

@@ -17,21 +17,17 @@ use crate::terms::{Direction, Follows, Space, Term, turned, twelve};
 const ROUNDS: usize = 2;
 /// A matrix that is further than this from a rotation is not one.
 const NOT_TURNED: f64 = 0.01;
-/// The variances to begin with.
 const EQUAL: Kinds = [[1.0; DIRECTIONS]; PLACES];
 
-/// Sensors and the first camera.
 pub struct First {
     pub terms: Vec<(Term, f64)>,
     /// Terms that may be in place of one.
     pub rivals: Vec<(Term, Term, f64)>,
     pub fit: Fit,
-    /// Without terms.
     pub without: Fit,
     pub axes: Axes,
 }
 
-/// Another head.
 pub struct Head {
     /// Its place among the cameras.
     pub camera: usize,
@@ -43,9 +39,7 @@ pub struct Head {
     pub fit: Fit,
 }
 
-/// Fits sensors and the first camera.
-///
-/// Errors: what the rows do not determine.
+/// Fits sensors and the first camera. Errors: what the rows do not determine.
 pub fn first(flight: &Flight, layout: &Layout, stated: &Matrix3<f64>) -> Result<First, Error> {
     let axes_of = |fit: &Fit| Axes::of(&fit.values[..12], stated).ok_or_else(no_axes);
     let base = twelve(flight.count);
@@ -61,14 +55,11 @@ pub fn first(flight: &Flight, layout: &Layout, stated: &Matrix3<f64>) -> Result<
     Ok(First { terms, rivals, fit, without, axes })
 }
 
-/// Fits another head.
-///
-/// Errors: as [`first`].
+/// Fits another head. Errors: as [`first`].
 pub fn head(flight: &Flight, layout: &Layout, camera: usize) -> Result<Head, Error> {
     if flight.rows().iter().flatten().sum::<f64>() == 0.0 {
-        return Err(Error::Unanswerable(
-            "it has no attitude at a time at which the first camera has one".into(),
-        ));
+        let why = "it has no attitude at a time at which the first camera has one";
+        return Err(Error::Unanswerable(why.into()));
     }
     let space = Space { signals: layout.signals(camera) };
     let zero = Vector3::zeros();

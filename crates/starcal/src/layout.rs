@@ -11,14 +11,11 @@ pub const WARM_C: f64 = 20.0;
 pub const WARM_K: f64 = 10.0;
 /// Harmonics of the Sun's direction that are looked at: to the second degree.
 pub const SUN: usize = 9;
-/// Most star cameras.
 pub const CAMERAS: usize = 3;
 /// Most temperatures and currents that are looked at.
 const MOST: usize = 6;
-/// The parts of a quaternion.
 pub const PARTS: [&str; 4] = ["w", "x", "y", "z"];
 
-/// What stands in the rows.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Layout {
     /// The frame from which attitudes turn.
@@ -27,7 +24,6 @@ pub struct Layout {
     pub field: String,
     /// Star cameras, by their numbers.
     pub cameras: Vec<usize>,
-    /// Columns of temperatures and of currents.
     pub temperatures: Vec<String>,
     pub currents: Vec<String>,
     /// Whether the Sun's direction, `sunlit` or `eclipse`, `kp`, the field of a model and the place are there.
@@ -41,21 +37,17 @@ pub struct Layout {
 /// A signal in the readings; each has a vector of coefficients in the frame of a camera.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Signal {
-    /// A sensor's reading.
     Reading(usize),
     One,
     /// A temperature, and a sensor's reading times it.
     Warmth(usize),
     WarmReading(usize, usize),
     Current(usize),
-    /// A harmonic of the Sun's direction.
     Sun(usize),
 }
 
 impl Layout {
-    /// What of the columns that there are is used.
-    ///
-    /// Errors: what is missing, in words.
+    /// What of the columns that there are is used. Errors: what is missing, in words.
     pub fn of(there: &[String], frame: AttitudeFrame, model: &str) -> Result<Self, String> {
         let has = |name: &str| there.iter().any(|one| one == name);
         let all = |names: &[&str]| names.iter().all(|name| has(name));
@@ -68,20 +60,19 @@ impl Layout {
         let camera = |number: &usize| PARTS.iter().all(|part| has(&format!("camera_{number}_{part}")));
         let cameras: Vec<usize> = (1..=CAMERAS).filter(camera).collect();
         if cameras.is_empty() {
-            return Err(
-                "the attitude by a star camera, `camera_1_w`, `camera_1_x`, `camera_1_y`, `camera_1_z`"
-                    .into(),
-            );
+            let expected =
+                "the attitude by a star camera, `camera_1_w`, `camera_1_x`, `camera_1_y`, `camera_1_z`";
+            return Err(expected.into());
         }
         let ambient = all(&["ambient_x_nt", "ambient_y_nt", "ambient_z_nt"]);
         let place = all(&["latitude_deg", "longitude_deg", "height_m"]);
         if !(place || ambient && frame == AttitudeFrame::Geo) {
-            return Err(if frame == AttitudeFrame::Geo {
+            let expected = if frame == AttitudeFrame::Geo {
                 "`ambient_x_nt`, `ambient_y_nt`, `ambient_z_nt`, or the place, `latitude_deg`, `longitude_deg`, `height_m`"
             } else {
                 "the place, `latitude_deg`, `longitude_deg`, `height_m`: attitudes are not from north, east and down"
-            }
-            .into());
+            };
+            return Err(expected.into());
         }
         let named = |ends: fn(&str) -> bool| {
             let mut names: Vec<String> = there.iter().filter(|name| ends(name)).cloned().collect();
@@ -189,7 +180,6 @@ impl Layout {
     }
 }
 
-/// One row.
 #[derive(Clone, Debug)]
 pub struct Row {
     pub time_s: f64,

@@ -41,10 +41,7 @@ use crate::fit::Flight;
 pub const PROCEDURES: [&str; 1] = [procedure::FREE_RUN];
 
 /// Finds the calibration by the recordings of a document that have a star camera.
-///
-/// # Errors
-///
-/// No such recording; rows that do not determine it, or attitudes that do not fit, with the remedy.
+/// Errors: no such recording; rows that do not determine it, or attitudes that do not fit, with the remedy.
 pub fn run(document: Document, columns: &Columns) -> Result<Document, Error> {
     let (mut pieces, mut ids) = (Vec::new(), Vec::new());
     for (index, recording) in document.recordings.iter().enumerate() {
@@ -91,11 +88,7 @@ fn piece(recording: &Recording, path: &str, columns: &Columns) -> Result<Partial
     })
 }
 
-/// The calibration by what was kept of a flight, written into a document.
-///
-/// # Errors
-///
-/// As [`run`].
+/// The calibration by what was kept of a flight, written into a document. Errors: as [`run`].
 pub fn answer(partial: &Partial, mut document: Document) -> Result<Document, Error> {
     mistakes::check(partial)?;
     if let Some(model) = &mut document.model {

@@ -86,11 +86,9 @@ fn frame(text: String) -> AttitudeFrame {
 
 fn ut1(text: &str) -> Result<f64, String> {
     let found = program::number::finite(text)?;
-    if found.abs() <= 1.0 {
-        Ok(found)
-    } else {
-        Err("expected seconds within ±1; is it in milliseconds?".into())
-    }
+    Some(found)
+        .filter(|found| found.abs() <= 1.0)
+        .ok_or("expected seconds within ±1; is it in milliseconds?".into())
 }
 
 impl Options {

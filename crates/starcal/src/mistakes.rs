@@ -37,9 +37,7 @@ const ORDERS: [(&str, [usize; 4], f64); 4] = [
     ),
 ];
 
-/// Checks a flight by a few of its rows.
-///
-/// Errors: attitudes that do not fit the readings, with the remedy.
+/// Checks a flight by a few of its rows. Errors: attitudes that do not fit the readings, with the remedy.
 pub fn check(partial: &Partial) -> Result<(), Error> {
     let frame = partial.layout.frame;
     let rows = partial.sample.rows();

@@ -22,25 +22,15 @@ pub const DIRECTIONS: usize = 3;
 
 /// A row of the sample: time, s; readings, nT; the first camera's quaternion; the field in GEO, ITRF and ICRF, nT.
 pub const WIDTH: usize = 17;
-/// Rows of the sample.
 const KEPT: usize = 256;
 
 /// Why rows cannot be taken, or pieces not be joined.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum Error {
-    /// As with every series.
     #[error(transparent)]
     Piece(#[from] partial::Error),
-    /// No field for a row.
     #[error("row {row}: found {found}; expected {expected}")]
-    NoField {
-        /// Row from 0.
-        row: u64,
-        /// What was found.
-        found: String,
-        /// What was expected.
-        expected: String,
-    },
+    NoField { row: u64, found: String, expected: String },
 }
 
 impl common::Told for Error {}
@@ -80,7 +70,6 @@ impl Products {
         sums.map(|(sum, (i, j))| sum * of[i] * of[j] * if i == j { 1.0 } else { 2.0 }).sum()
     }
 
-    /// Adds the products by a weight.
     pub fn add_to(&self, sum: &mut Mat<f64>, weight: f64) {
         let width = sum.ncols();
         let places = (0..width).flat_map(|j| (j..width).map(move |i| (i, j)));
@@ -126,12 +115,10 @@ impl Partial {
         3 * self.layout.signals(camera).len() + DELAYS + 1
     }
 
-    /// Width of the windows, s.
     pub(crate) fn width_s(&self) -> f64 {
         2f64.powi(self.exponent as i32)
     }
 
-    /// The window of a time.
     pub(crate) fn window(&self, time_s: f64) -> i64 {
         (time_s / self.width_s()).floor() as i64
     }
@@ -202,19 +189,14 @@ impl partial::Partial for Partial {
 
     fn join(&mut self, mut other: Self) -> Result<(), Error> {
         if self.layout != other.layout {
-            let said = |one: &Self| {
-                format!(
-                    "with attitudes from {} and the columns {}",
-                    one.layout.frame.name(),
-                    one.layout.names().join(", ")
-                )
+            let said = |Layout { frame, .. }: &Layout, names: Vec<String>| {
+                format!("with attitudes from {} and the columns {}", frame.name(), names.join(", "))
             };
-            let [first, second] = [said(self), said(&other)];
+            let [first, second] = [&self.layout, &other.layout].map(|layout| said(layout, layout.names()));
             return Err(partial::Error::Unlike { first, second, expected: "the same columns in all" }.into());
         }
-        self.covered
-            .merge(&other.covered)
-            .map_err(|[from_s, to_s]| partial::Error::Overlap { from_s, to_s })?;
+        let overlap = |[from_s, to_s]: [f64; 2]| partial::Error::Overlap { from_s, to_s };
+        self.covered.merge(&other.covered).map_err(overlap)?;
         while self.covered.close(MOST).is_some() {}
         self.rows += other.rows;
         self.missing += other.missing;

@@ -24,9 +24,7 @@ const DAY_S: f64 = 86_400.0;
 /// Intervals hold in flights of a month, and not in those of up to ten days (docs/starcal.md).
 const LONG_DAYS: f64 = 20.0;
 
-/// Writes the calibration into the document.
-///
-/// Errors: a stated uncertainty that none can be.
+/// Writes the calibration into the document. Errors: a stated uncertainty that none can be.
 pub fn put(
     document: &mut Document,
     partial: &Partial,
@@ -40,7 +38,6 @@ pub fn put(
     let [freedom, _] = flight.freedom();
     let factor = stats::coverage_factor(0.95, freedom);
 
-    // Terms, and those that are effects of the catalogue.
     let day = DAY_S / flight.half_span_s;
     let (mut at, mut told, mut adopted) = (12, Vec::new(), Vec::new());
     for (term, log_bayes_factor) in &first.terms {
@@ -170,7 +167,9 @@ pub fn put(
         findings,
         ..FlightCalibration::default()
     }));
-    adopt(document, adopted);
+    if !adopted.is_empty() {
+        document.model.get_or_insert_default().effects.extend(adopted);
+    }
     Ok(())
 }
 
@@ -204,13 +203,6 @@ fn held(
     }
 }
 
-/// Puts effects into the model.
-fn adopt(document: &mut Document, adopted: Vec<AdoptedEffect>) {
-    if !adopted.is_empty() {
-        document.model.get_or_insert_default().effects.extend(adopted);
-    }
-}
-
 /// Values of a fit from a place on, by names and units.
 fn parameters(fit: &Fit, at: usize, names: &[(String, f64)], factor: f64) -> Vec<(String, Quantity)> {
     let of = |(k, (name, unit)): (usize, &(String, f64))| {
@@ -220,13 +212,12 @@ fn parameters(fit: &Fit, at: usize, names: &[(String, f64)], factor: f64) -> Vec
     names.iter().enumerate().map(of).collect()
 }
 
-/// The terms of another head.
 fn head_terms(head: &Head, layout: &Layout, day: f64, factor: f64) -> Vec<FlightTerm> {
     let of = |(number, (follows, log_bayes_factor)): (usize, &(Follows, f64))| FlightTerm {
         term: words::turn(*follows, "this camera", "the first"),
         column: follows.column(layout).map(String::from),
         camera: Some(format!("camera_{}", layout.cameras[head.camera])),
-        parameters: parameters(&head.fit, 4 + 3 * number, &follows.parameters("arcsec", day), factor)
+        parameters: (parameters(&head.fit, 4 + 3 * number, &follows.parameters("arcsec", day), factor))
             .into_iter()
             .collect(),
         log_bayes_factor: *log_bayes_factor,

@@ -22,7 +22,7 @@ const ODD: f64 = 0.2;
 const AT_ONCE: usize = 256;
 
 /// Takes a flight from documents and tables.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Columns {
     /// The frame from which attitudes turn.
     pub frame: AttitudeFrame,
@@ -82,18 +82,16 @@ pub struct Statistics {
 
 impl Statistics {
     fn new(layout: Layout, fields: Fields) -> Self {
-        let buffers = vec![Default::default(); layout.cameras.len()];
-        let (before, waiting) = (None, None);
         Self {
+            buffers: vec![Default::default(); layout.cameras.len()],
             partial: Partial::new(layout),
             fields,
             taken: 0,
             first_s: f64::NAN,
             last_s: f64::NEG_INFINITY,
-            before,
-            waiting,
+            before: None,
+            waiting: None,
             window: 0,
-            buffers,
         }
     }
 
@@ -210,7 +208,6 @@ impl Statistics {
         ]);
     }
 
-    /// Multiplies the rows that wait.
     fn multiply(&mut self) {
         if self.buffers.iter().flatten().flatten().all(Vec::is_empty) {
             return;

@@ -16,7 +16,6 @@ const FIRST_DEGREE: [usize; 4] = [0, 2, 3, 1];
 /// signals, then the delays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Direction {
-    /// Place and size.
     pub coefficients: Vec<(usize, f64)>,
     /// Times the time, which runs from −1 to 1.
     pub by_time: bool,
@@ -32,7 +31,6 @@ impl Direction {
 /// What something follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Follows {
-    /// A column of temperatures, by its number.
     Temperature(usize),
     Time,
 }
@@ -44,7 +42,6 @@ pub enum Term {
     Turn(Follows),
     Offset(Follows),
     Scale(Follows),
-    /// The field of a current.
     Current(usize),
     /// The field of the Sun's direction, to the first degree, and that of the second.
     Sun,
@@ -95,7 +92,6 @@ impl Term {
         (self == Self::SunBeyond).then_some(Self::Sun)
     }
 
-    /// The column that it follows.
     pub fn column(self, layout: &Layout) -> Option<&str> {
         match self {
             Self::Turn(follows) | Self::Offset(follows) | Self::Scale(follows) => follows.column(layout),
@@ -170,12 +166,10 @@ impl Term {
 }
 
 impl Follows {
-    /// All that the columns allow.
     pub fn all(layout: &Layout) -> Vec<Self> {
         (0..layout.temperatures.len()).map(Self::Temperature).chain([Self::Time]).collect()
     }
 
-    /// The column.
     pub fn column(self, layout: &Layout) -> Option<&str> {
         match self {
             Self::Temperature(number) => Some(&layout.temperatures[number]),

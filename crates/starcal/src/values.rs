@@ -20,7 +20,6 @@ pub struct Values {
     /// How they move with the values of the fit, and with turns of the other heads about their axes, arcsec.
     pub moves: Mat<f64>,
     pub covariance: Mat<f64>,
-    /// SEN to each head.
     pub heads: Vec<Matrix3<f64>>,
     /// How each head turns about its axes, arcsec, with the same as `moves`.
     turns: Vec<Mat<f64>>,
@@ -90,21 +89,12 @@ impl Values {
 
     /// Adds a value of the fit itself, by its place and unit.
     pub fn add(&mut self, name: String, place: usize) {
-        let (rows, all) = (self.moves.nrows(), self.moves.ncols());
-        let own = &self.moves;
-        let moves =
-            Mat::from_fn(
-                rows + 1,
-                all,
-                |i, j| {
-                    if i < rows { own[(i, j)] } else { f64::from(u8::from(j == place)) }
-                },
-            );
-        self.moves = moves;
+        let (rows, own) = (self.moves.nrows(), &self.moves);
+        let moved = |i: usize, j: usize| if i < rows { own[(i, j)] } else { f64::from(u8::from(j == place)) };
+        self.moves = Mat::from_fn(rows + 1, own.ncols(), moved);
         self.names.push(name);
     }
 
-    /// The covariance of all that has a name.
     pub fn joint(&self) -> Mat<f64> {
         let joint = &self.moves * &self.covariance * self.moves.transpose();
         (&joint + joint.transpose()) * faer::Scale(0.5)
@@ -122,7 +112,6 @@ impl Values {
         [0, 1, 2].map(|k| turned[(k, k)].max(0.0).sqrt())
     }
 
-    /// The place of an angle of a head.
     pub fn angle(camera: usize, k: usize) -> usize {
         ANGLES + 3 * camera + k
     }

@@ -5,7 +5,6 @@ use common::{Code, Document, Finding, FlightTerm, Quantity};
 
 use crate::terms::{Follows, Term};
 
-/// A term in words.
 pub fn term(term: Term) -> String {
     match term {
         Term::Turn(what) => turn(what, "the first camera", "the sensors"),
@@ -20,7 +19,6 @@ pub fn term(term: Term) -> String {
     }
 }
 
-/// A turn in words.
 pub fn turn(what: Follows, turned: &str, against: &str) -> String {
     format!("{turned} turns {} against {against}", follows(what))
 }
@@ -32,7 +30,6 @@ fn follows(what: Follows) -> &'static str {
     }
 }
 
-/// What to do about clocks.
 pub fn delay(term: Term, found: &FlightTerm, leap_s: Option<f64>) -> Option<Finding> {
     let (_, size) = found.parameters.first()?;
     let late = if size.value() > 0.0 { "late" } else { "early" };
@@ -41,11 +38,9 @@ pub fn delay(term: Term, found: &FlightTerm, leap_s: Option<f64>) -> Option<Find
         Term::Readings => format!(
             "the readings are {by} s {late} against field and attitude: correct `time_s` of the readings and run again; the fit allows for it to first order"
         ),
-        Term::Attitude => {
-            format!(
-                "the attitudes are {by} s {late}: correct their times and run again; the fit allows for it to first order"
-            )
-        }
+        Term::Attitude => format!(
+            "the attitudes are {by} s {late}: correct their times and run again; the fit allows for it to first order"
+        ),
         Term::Earth => {
             // GPS time had that of TAI less UTC in 1980, 19 s.
             let scales = leap_s.map(|leap| [(leap - 19.0, "GPS time"), (leap, "TAI")]);
@@ -72,19 +67,17 @@ fn abs(size: &Quantity) -> String {
 pub fn summary(document: &Document) -> String {
     let flight = document.calibration.as_ref().and_then(|calibration| calibration.flight.as_ref());
     let Some(flight) = flight else { return String::new() };
-    let mut lines = vec![format!(
-        "starcal: {} in {} of {} h, field of {}; residual {} nT rms{}",
-        counted(flight.rows as usize, "row"),
-        counted(flight.windows as usize, "window"),
-        significant(flight.window_s / 3600.0, 2),
-        flight.field,
-        significant(flight.rms_nt, 3),
-        if flight.terms.iter().all(|term| term.camera.is_some()) {
-            String::new()
-        } else {
-            format!(", {} without what follows", significant(flight.rms_without_terms_nt, 3))
-        },
-    )];
+    let (rows, windows) = (counted(flight.rows as usize, "row"), counted(flight.windows as usize, "window"));
+    let (field, hours) = (&flight.field, significant(flight.window_s / 3600.0, 2));
+    let rms = significant(flight.rms_nt, 3);
+    let without = match flight.terms.iter().all(|term| term.camera.is_some()) {
+        true => String::new(),
+        false => format!(", {} without what follows", significant(flight.rms_without_terms_nt, 3)),
+    };
+    let head = format!(
+        "starcal: {rows} in {windows} of {hours} h, field of {field}; residual {rms} nT rms{without}"
+    );
+    let mut lines = vec![head];
     for camera in &flight.cameras {
         let angles = camera.angles_deg.each_ref().map(ToString::to_string).join(", ");
         let turns = camera.turn_std_arcsec.map(|std| significant(std, 2)).join(", ");
@@ -97,17 +90,16 @@ pub fn summary(document: &Document) -> String {
         }
     }
     for term in &flight.terms {
-        let first: Vec<String> =
-            term.parameters.iter().take(3).map(|(name, size)| format!("{name} {size}")).collect();
+        let first = term.parameters.iter().take(3).map(|(name, size)| format!("{name} {size}"));
+        let first = first.collect::<Vec<_>>().join(", ");
         let rest = term.parameters.len().saturating_sub(3);
+        let rest = if rest > 0 { format!(" and {} more", bare(rest as f64)) } else { String::new() };
+        let of = |one: &Option<String>| one.as_ref().map_or_else(String::new, |one| format!(", {one}"));
+        let (camera, column, factor) =
+            (of(&term.camera), of(&term.column), significant(term.log_bayes_factor, 2));
         lines.push(format!(
-            "  {}{}{}: {}{} (ln of the Bayes factor {})",
-            term.term,
-            term.camera.as_ref().map_or_else(String::new, |camera| format!(", {camera}")),
-            term.column.as_ref().map_or_else(String::new, |column| format!(", {column}")),
-            first.join(", "),
-            if rest > 0 { format!(" and {} more", bare(rest as f64)) } else { String::new() },
-            significant(term.log_bayes_factor, 2),
+            "  {}{camera}{column}: {first}{rest} (ln of the Bayes factor {factor})",
+            term.term
         ));
     }
     lines.extend(flight.findings.iter().map(|finding| format!("  {finding}")));

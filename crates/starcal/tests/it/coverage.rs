@@ -1,7 +1,6 @@
 //! Coverage of the 95 % intervals over simulated months. FLUXCAL_CAMPAIGNS sets how many; a few with fewer rows otherwise.
 
 use common::{AttitudeFrame, Document};
-use mainfield::Model;
 use nalgebra::{Matrix3, Rotation3};
 use physics::frames::ARCSEC;
 use simulate::{CameraPlan, FlightPlan, SunPlan, flight};
@@ -20,7 +19,7 @@ struct Found {
 
 fn errors(plan: &FlightPlan) -> Found {
     let made = flight(plan).expect("a plan");
-    let columns = Columns { frame: AttitudeFrame::Icrf, model: Model::Igrf14, ut1_utc_s: 0.0 };
+    let columns = Columns { frame: AttitudeFrame::Icrf, ..Columns::default() };
     let document: Document =
         run(made.document, &columns).unwrap_or_else(|error| panic!("{}: {error}", plan.seed));
     let calibration = document.calibration.expect("a calibration");
@@ -30,11 +29,9 @@ fn errors(plan: &FlightPlan) -> Found {
     let mu = Matrix3::from_fn(|i, j| truth.mu[j][i]);
     let svd = mu.svd(true, true);
     let own = svd.u.expect("U") * svd.v_t.expect("V");
-    let factor = calibration
-        .sensors
-        .as_ref()
-        .and_then(|all| all.get(common::Axis::X)?.offset_nt.as_ref()?.coverage_factor_95());
-    let factor = factor.expect("a factor");
+    let sensors = calibration.sensors.expect("sensors");
+    let offset = sensors.get(common::Axis::X).and_then(|one| one.offset_nt.as_ref()).expect("an offset");
+    let factor = offset.coverage_factor_95().expect("a factor");
     let (mut all, mut largest) = (Vec::new(), [0.0f64; 2]);
     for (head, rows) in found.cameras.iter().zip(&truth.cameras) {
         let due = Matrix3::from_fn(|i, j| rows[i][j]) * own;
@@ -43,7 +40,7 @@ fn errors(plan: &FlightPlan) -> Found {
         all.extend(by.iter().zip(head.turn_std_arcsec).map(|(error, std)| error / std / factor));
         largest[0] = by.iter().fold(largest[0], |most, one| most.max(one.abs()));
     }
-    for (k, (_, sensor)) in calibration.sensors.expect("sensors").iter().enumerate() {
+    for (k, (_, sensor)) in sensors.iter().enumerate() {
         let quantities =
             [(&sensor.sensitivity_nt_per_nt, truth.k[k]), (&sensor.offset_nt, truth.offset_nt[k])];
         for (quantity, due) in quantities {

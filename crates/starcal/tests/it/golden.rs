@@ -1,18 +1,17 @@
 //! A golden document (BLESS=1 writes it anew; read the difference before it is kept), faults with their messages, streams
 //! and the program's help.
 
-use common::{AttitudeFrame, Document, FlightCalibration, to_text};
-use mainfield::Model;
+use common::{Document, FlightCalibration, to_text};
 use starcal::{Columns, run};
 
 const STARCAL: &str = env!("CARGO_BIN_EXE_starcal");
 
-fn columns() -> Columns {
-    Columns { frame: AttitudeFrame::Geo, model: Model::Igrf14, ut1_utc_s: 0.0 }
+fn calibrated(document: Document) -> Document {
+    run(document, &Columns::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn done(text: &str) -> Document {
-    run(Document::parse(text).expect("a document"), &columns()).unwrap_or_else(|error| panic!("{error}"))
+    calibrated(Document::parse(text).expect("a document"))
 }
 
 fn flight(document: &Document) -> &FlightCalibration {
@@ -26,10 +25,8 @@ fn golden() {
     testkit::golden("starcal/day", input, |text| to_text(&done(text)));
     let document = done(&testkit::read_fixture(input));
     let [term] = &flight(&document).terms[..] else { panic!("one term") };
-    assert_eq!(
-        (term.effect.as_deref(), term.column.as_deref()),
-        (Some("stray_current"), Some("panel_current_a"))
-    );
+    let known = (term.effect.as_deref(), term.column.as_deref());
+    assert_eq!(known, (Some("stray_current"), Some("panel_current_a")));
     for (found, truth) in term.parameters.values().zip([4.0, -6.0, 3.0]) {
         assert!((found.value() - truth).abs() < 3.0 * found.std().expect("an uncertainty"), "{found}");
     }
@@ -43,8 +40,7 @@ fn late_readings_are_told() {
     for readings_s in [0.5, 10.0] {
         let latency = simulate::LatencyPlan { readings_s, ..simulate::LatencyPlan::default() };
         let plan = simulate::FlightPlan { step_s: 10.0, latency, ..simulate::FlightPlan::default() };
-        let document =
-            run(simulate::flight(&plan).expect("a flight").document, &columns()).expect("a calibration");
+        let document = calibrated(simulate::flight(&plan).expect("a flight").document);
         let found = flight(&document);
         let told = |finding: &&String| finding.contains("late against field and attitude");
         assert!(found.findings.iter().any(|finding| told(&finding)), "{:?}", found.findings);
@@ -67,18 +63,15 @@ fn a_camera_that_does_not_follow_is_left_out() {
                 document.recordings[0].columns.get_mut(&format!("camera_2_{part}")).expect("a camera");
             *column = column.iter().map(|value| of(*value)).collect::<Vec<f64>>().into();
         }
-        let document = run(document, &columns()).expect("a calibration");
+        let document = calibrated(document);
         let found = flight(&document);
         assert_eq!(found.cameras.len(), 1);
-        assert!(
-            found.findings.iter().any(|one| one.contains("camera_2 is left out") && one.contains(said)),
-            "{:?}",
-            found.findings
-        );
+        let told = |one: &&String| one.contains("camera_2 is left out") && one.contains(said);
+        assert!(found.findings.iter().any(|one| told(&one)), "{:?}", found.findings);
     };
     changed(|value| -value, "not those of the first camera with one turn");
     changed(|_| f64::NAN, "no attitude at a time");
-    assert_eq!(flight(&run(made.clone(), &columns()).expect("both")).cameras.len(), 2);
+    assert_eq!(flight(&calibrated(made.clone())).cameras.len(), 2);
 }
 
 /// GPS time in place of UTC.
@@ -87,7 +80,7 @@ fn times_of_gps_are_told() {
     let plan = simulate::FlightPlan { days: 2.0, step_s: 60.0, ..simulate::FlightPlan::default() };
     let mut made = simulate::flight(&plan).expect("a flight").document;
     made.recordings[0].start = Some("2025-03-01T00:00:18Z".into());
-    let document = run(made, &columns()).expect("a calibration");
+    let document = calibrated(made);
     let findings = &flight(&document).findings;
     assert!(findings.iter().any(|finding| finding.contains("they seem to be GPS time")), "{findings:?}");
 }

@@ -1,14 +1,13 @@
 //! Pieces of a flight, and turns of its frames.
 
-use common::{AttitudeFrame, Document, Recording};
-use mainfield::Model;
+use common::{AttitudeFrame, Document, Quantity, Recording};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion};
 use partial::{Series, Take};
 use starcal::{Columns, Partial, answer, run};
 use std::ops::Range;
 
 fn columns(frame: AttitudeFrame) -> Columns {
-    Columns { frame, model: Model::Igrf14, ut1_utc_s: 0.0 }
+    Columns { frame, ..Columns::default() }
 }
 
 fn made(seed: u64) -> Document {
@@ -20,26 +19,18 @@ fn empty() -> Document {
     Document { fluxcal: 1, ..Document::default() }
 }
 
-/// k, O and μ.
-fn sensors(document: &Document) -> Vec<f64> {
-    let calibration = document.calibration.as_ref().expect("a calibration");
-    let sensors = calibration.sensors.as_ref().expect("sensors");
-    let of = |one: &common::SensorCalibration| {
-        [one.sensitivity_nt_per_nt.clone(), one.offset_nt.clone()].map(|one| one.expect("a value").value())
-    };
-    let matrix =
-        calibration.axes.as_ref().and_then(|axes| axes.sensors.as_ref()?.matrix).expect("directions");
-    sensors.iter().flat_map(|(_, one)| of(one)).chain(matrix.into_iter().flatten()).collect()
+/// k and O.
+fn constants(document: &Document) -> Vec<Quantity> {
+    let sensors = document.calibration.as_ref().and_then(|found| found.sensors.as_ref()).expect("sensors");
+    let of = |one: &common::SensorCalibration| [one.sensitivity_nt_per_nt.clone(), one.offset_nt.clone()];
+    sensors.iter().flat_map(|(_, one)| of(one)).map(|one| one.expect("a value")).collect()
 }
 
-/// Standard uncertainties of k and O.
-fn stds(document: &Document) -> Vec<f64> {
-    let sensors = document.calibration.as_ref().and_then(|found| found.sensors.as_ref()).expect("sensors");
-    let of = |one: &common::SensorCalibration| {
-        [one.sensitivity_nt_per_nt.clone(), one.offset_nt.clone()]
-            .map(|one| one.expect("a value").std().expect("one"))
-    };
-    sensors.iter().flat_map(|(_, one)| of(one)).collect()
+/// k, O and μ.
+fn sensors(document: &Document) -> Vec<f64> {
+    let axes = document.calibration.as_ref().and_then(|found| found.axes.as_ref());
+    let matrix = axes.and_then(|axes| axes.sensors.as_ref()?.matrix).expect("directions");
+    constants(document).iter().map(Quantity::value).chain(matrix.into_iter().flatten()).collect()
 }
 
 fn near(one: &[f64], other: &[f64], within: f64) -> Result<(), String> {
@@ -93,15 +84,13 @@ fn a_turned_camera_turns_its_head_alone() {
     let [one, other] =
         [document, turned].map(|one| run(one, &columns(AttitudeFrame::Geo)).expect("a calibration"));
     // The boresight has other noise then, and weights differ: by less than a standard uncertainty.
-    let std = stds(&one);
-    for (place, (a, b)) in sensors(&one).into_iter().zip(sensors(&other)).take(std.len()).enumerate() {
-        assert!((a - b).abs() < std[place], "{place}: {a} {b} ± {}", std[place]);
+    for (place, (a, b)) in constants(&one).iter().zip(constants(&other)).enumerate() {
+        let std = a.std().expect("an uncertainty");
+        assert!((a.value() - b.value()).abs() < std, "{place}: {a} {b} ± {std}");
     }
     let head = |document: &Document| {
-        let rows =
-            document.calibration.as_ref().and_then(|found| found.flight.as_ref()).expect("a flight").cameras
-                [0]
-            .rotation;
+        let calibration = document.calibration.as_ref().expect("a calibration");
+        let rows = calibration.flight.as_ref().expect("a flight").cameras[0].rotation;
         Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_fn(|i, j| rows[i][j]))
     };
     let between = head(&other) * head(&one).inverse() * turn.to_rotation_matrix().inverse();
