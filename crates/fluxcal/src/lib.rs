@@ -16,53 +16,48 @@ pub struct Program {
 
 /// All of them, in the order in which a calibration needs them.
 pub const PROGRAMS: [Program; 13] = [
-    Program { name: "simulate", does: "Simulate the recordings of a campaign from a plan" },
-    Program {
-        name: "ingest",
-        does: "Read files of observatories and loggers into a document: IAGA-2002, IAF, CDF, CSV, NDJSON, Parquet",
-    },
-    Program { name: "series", does: "Cut, average, resample and join recordings, and rename their columns" },
-    Program {
-        name: "coilcal",
-        does: "Find the constants and gradients of a facility's coils, with their uncertainty",
-    },
-    Program {
-        name: "sensorcal",
-        does: "Find sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty",
-    },
-    Program {
-        name: "axescal",
-        does: "Find the directions of the sensors and of the coils, in arcseconds, with their uncertainty",
-    },
-    Program {
-        name: "scalarcal",
-        does: "Calibrate a vector magnetometer by the magnitude of the field, without a facility",
-    },
-    Program {
-        name: "starcal",
-        does: "Calibrate a vector magnetometer in flight, beside star cameras and in a model of the field",
-    },
-    Program {
-        name: "diffmag",
-        does: "Compare two magnetometers side by side: how they are turned and scaled, noise, drift, clocks",
-    },
-    Program {
-        name: "absolute",
-        does: "Find declination, inclination and the baselines of a variometer by a theodolite with a magnetometer",
-    },
-    Program {
-        name: "diagnose",
-        does: "Find what physics the model left out: where it shows, which effect explains it, the better model",
-    },
-    Program {
-        name: "correct",
-        does: "Turn raw readings into the field in nT, with the uncertainty of each sample",
-    },
-    Program {
-        name: "report",
-        does: "One page that shows what each stage found: words, tables, plots, and the data of each plot",
-    },
+    of("simulate", "Simulate the recordings of a campaign from a plan"),
+    of(
+        "ingest",
+        "Read files of observatories and loggers into a document: IAGA-2002, IAF, CDF, CSV, NDJSON, Parquet",
+    ),
+    of("series", "Cut, average, resample and join recordings, and rename their columns"),
+    of("coilcal", "Find the constants and gradients of a facility's coils, with their uncertainty"),
+    of(
+        "sensorcal",
+        "Find sensitivity, offset, noise, drift and coefficients of each sensor, with their uncertainty",
+    ),
+    of(
+        "axescal",
+        "Find the directions of the sensors and of the coils, in arcseconds, with their uncertainty",
+    ),
+    of("scalarcal", "Calibrate a vector magnetometer by the magnitude of the field, without a facility"),
+    of(
+        "starcal",
+        "Calibrate a vector magnetometer in flight, beside star cameras and in a model of the field",
+    ),
+    of(
+        "diffmag",
+        "Compare two magnetometers side by side: how they are turned and scaled, noise, drift, clocks",
+    ),
+    of(
+        "absolute",
+        "Find declination, inclination and the baselines of a variometer by a theodolite with a magnetometer",
+    ),
+    of(
+        "diagnose",
+        "Find what physics the model left out: where it shows, which effect explains it, the better model",
+    ),
+    of("correct", "Turn raw readings into the field in nT, with the uncertainty of each sample"),
+    of(
+        "report",
+        "One page that shows what each stage found: words, tables, plots, and the data of each plot",
+    ),
 ];
+
+const fn of(name: &'static str, does: &'static str) -> Program {
+    Program { name, does }
+}
 
 /// How alike two names are at least (Jaro and Winkler, 0 to 1) for the one to be meant by the other.
 const ALIKE: f64 = 0.75;

@@ -1,7 +1,8 @@
 //! `fluxcal`: runs the program that is named, with its arguments, streams, exit code and signals unchanged.
 
-use clap::{Arg, Command};
-use fluxcal::{PROGRAMS, Program, nearest, program, script, view};
+use clap::{Arg, Command, CommandFactory, FromArgMatches};
+use fluxcal::view::{self, View};
+use fluxcal::{PROGRAMS, Program, nearest, program, script};
 use program::{manual, pipe};
 use std::env;
 use std::ffi::OsString;
@@ -46,7 +47,8 @@ fn main() -> ExitCode {
 /// `fluxcal view`; standard output has the page's path.
 fn show() -> ExitCode {
     let matches = manual::matches(command());
-    let page = matches.subcommand_matches("view").map_or(Err("no file to view".into()), view::run);
+    let asked = matches.subcommand_matches("view").and_then(|asked| View::from_arg_matches(asked).ok());
+    let page = asked.map_or(Err("no file to view".into()), |asked| view::run(&asked));
     let written = page.and_then(|page| {
         pipe::write(None, &format!("{}\n", page.display())).map_err(|error| error.to_string())
     });
@@ -76,7 +78,7 @@ fn command() -> Command {
         .subcommand_help_heading("Programs")
         .arg_required_else_help(true)
         .subcommands(PROGRAMS.iter().map(passed_on))
-        .subcommand(view::command())
+        .subcommand(View::command())
 }
 
 /// Becomes the program; where a system knows no such thing, runs it and ends as it did.

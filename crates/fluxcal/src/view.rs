@@ -3,7 +3,7 @@
 //! `ingest` reads the files, each series into a recording of its own, and `report` writes the page. Files of
 //! one series have names that differ in digits alone, as those of days do.
 
-use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use clap::Parser;
 use std::env;
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -13,47 +13,29 @@ use std::process::{self, Output, Stdio};
 
 use crate::program as named;
 
-/// What of a file tells whether it is a document.
 const BEGINNING: u64 = 4096;
 
-/// The command line.
-pub fn command() -> Command {
-    Command::new("view")
-        .about("Show files of readings, folders of days, or a document, as a page in the browser")
-        .after_help(
-            "Example:\n  fluxcal view fixtures/ingest/flx20240310a.min fixtures/ingest/flx20240310b.min",
-        )
-        .arg(
-            Arg::new("files")
-                .value_name("FILE")
-                .required(true)
-                .num_args(1..)
-                .value_parser(value_parser!(PathBuf))
-                .help("What ingest reads, a folder of it, or one document"),
-        )
-        .arg(
-            Arg::new("output")
-                .short('o')
-                .long("output")
-                .value_name("PAGE")
-                .value_parser(value_parser!(PathBuf))
-                .help("Write the page to this file [default: a new temporary file]"),
-        )
-        .arg(
-            Arg::new("no-browser")
-                .long("no-browser")
-                .action(ArgAction::SetTrue)
-                .help("Do not open a browser; standard output has the page's path in any case"),
-        )
+/// Show files of readings, folders of days, or a document, as a page in the browser
+#[derive(Parser)]
+#[command(
+    name = "view",
+    after_help = "Example:\n  fluxcal view fixtures/ingest/flx20240310a.min fixtures/ingest/flx20240310b.min"
+)]
+pub struct View {
+    /// What ingest reads, a folder of it, or one document
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
+    /// Write the page to this file [default: a new temporary file]
+    #[arg(short, long, value_name = "PAGE")]
+    output: Option<PathBuf>,
+    /// Do not open a browser; standard output has the page's path in any case
+    #[arg(long)]
+    no_browser: bool,
 }
 
-/// Writes the page and opens it: its path.
-///
-/// # Errors
-///
-/// What the programs refuse, in their words.
-pub fn run(asked: &ArgMatches) -> Result<PathBuf, String> {
-    let named: Vec<&PathBuf> = asked.get_many("files").into_iter().flatten().collect();
+/// Writes the page and opens it: its path. Errors: what the programs refuse, in their words.
+pub fn run(asked: &View) -> Result<PathBuf, String> {
+    let named = &asked.files;
     let folder = tempfile::Builder::new().prefix("fluxcal-view-").tempdir();
     let folder = folder.map_err(|error| format!("no temporary folder can be made: {error}"))?;
     let mut left_out = Vec::new();
@@ -65,41 +47,35 @@ pub fn run(asked: &ArgMatches) -> Result<PathBuf, String> {
     let document = match named.as_slice() {
         [file] if is_document(file) => file.to_path_buf(),
         _ => {
-            let read = readings(&named, folder.path(), &mut left_out)?;
+            let read = readings(named, folder.path(), &mut left_out)?;
             // The page is titled by its document's name.
             let titled = folder.path().join(format!("{name}.json"));
             fs::rename(&read, &titled).map_err(|error| format!("{}: {error}", read.display()))?;
             titled
         }
     };
-    let page = match asked.get_one::<PathBuf>("output") {
+    let page = match &asked.output {
         Some(page) => page.clone(),
-        None => lasting(&name).map_err(|error| format!("no temporary file can be made: {error}"))?,
+        None => {
+            // A temporary file that stays.
+            let prefix = format!("fluxcal-{}-", name.replace(' ', "-"));
+            let made = tempfile::Builder::new().prefix(&prefix).suffix(".html").tempfile();
+            let kept = made.and_then(|made| Ok(made.into_temp_path().keep()?));
+            kept.map_err(|error| format!("no temporary file can be made: {error}"))?
+        }
     };
     done(&ran("report", ["-q".into(), "-o".into(), page.clone().into(), document.into()])?)?;
     for one in left_out {
         program::pipe::say(&format!("fluxcal view: left out {one}"));
     }
-    let opened = !asked.get_flag("no-browser") && open(&page);
-    program::pipe::say(&format!(
-        "fluxcal view: {} {}",
-        if opened { "opened" } else { "open in a browser:" },
-        page.display()
-    ));
+    let opened = !asked.no_browser && open(&page);
+    let done = if opened { "opened" } else { "open in a browser:" };
+    program::pipe::say(&format!("fluxcal view: {done} {}", page.display()));
     Ok(page)
 }
 
-/// A temporary file that stays.
-fn lasting(name: &str) -> Result<PathBuf, std::io::Error> {
-    let made = tempfile::Builder::new()
-        .prefix(&format!("fluxcal-{}-", name.replace(' ', "-")))
-        .suffix(".html")
-        .tempfile()?;
-    Ok(made.into_temp_path().keep()?)
-}
-
 /// A document of what the files hold, in a folder that is thrown away.
-fn readings(named: &[&PathBuf], folder: &Path, left_out: &mut Vec<String>) -> Result<PathBuf, String> {
+fn readings(named: &[PathBuf], folder: &Path, left_out: &mut Vec<String>) -> Result<PathBuf, String> {
     let mut all: Option<PathBuf> = None;
     let mut names: Vec<String> = Vec::new();
     for (from_folder, files) in series(named)? {
@@ -153,7 +129,7 @@ fn ingested(files: &[PathBuf], id: &str, added_to: Option<&Path>, written: &Path
 }
 
 /// The files that are named, those of one series together, and whether they come from a folder.
-fn series(named: &[&PathBuf]) -> Result<Vec<(bool, Vec<PathBuf>)>, String> {
+fn series(named: &[PathBuf]) -> Result<Vec<(bool, Vec<PathBuf>)>, String> {
     let mut all: Vec<(String, bool, Vec<PathBuf>)> = Vec::new();
     for path in named {
         let (from_folder, files) =
@@ -181,7 +157,6 @@ fn within(folder: &Path) -> Result<Vec<PathBuf>, String> {
     Ok(files)
 }
 
-/// Whether a file begins as a document of fluxcal does.
 fn is_document(file: &Path) -> bool {
     let mut text = Vec::new();
     let read = File::open(file).and_then(|file| file.take(BEGINNING).read_to_end(&mut text));
@@ -194,7 +169,6 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "page".into(), |stem| stem.to_string_lossy().into_owned())
 }
 
-/// Runs a program.
 fn ran(name: &str, arguments: impl IntoIterator<Item = OsString>) -> Result<Output, String> {
     let path = named(name).map(|program| program.path()).unwrap_or_default();
     let output = process::Command::new(&path).args(arguments).stdin(Stdio::null()).output();
@@ -203,7 +177,6 @@ fn ran(name: &str, arguments: impl IntoIterator<Item = OsString>) -> Result<Outp
     })
 }
 
-/// What the program said, as a fault where it failed.
 fn done(output: &Output) -> Result<(), String> {
     if output.status.success() { Ok(()) } else { Err(told(output).trim_end().into()) }
 }
