@@ -8,7 +8,6 @@ use crate::draw::Draw;
 use crate::kind::FileKind;
 use crate::mutate;
 
-/// A command line with its files.
 #[derive(Clone, Debug)]
 pub struct Case {
     pub words: Vec<String>,
@@ -51,18 +50,20 @@ impl Case {
             for word in draw.part(options).split(' ') {
                 let mut word = word.to_string();
                 while word.contains('#') {
-                    word = word.replacen('#', mutate::values::typed(draw), 1);
+                    word = word.replacen('#', draw.part(mutate::values::TYPED), 1);
                 }
-                words.push(word.replace('@', &argument(draw)));
+                // Without what no command line can hold.
+                let given = mutate::values::word(draw).replace('\0', "");
+                words.push(word.replace('@', &given.chars().take(2000).collect::<String>()));
             }
         }
         if line.writes == Writes::Document && !line.words.contains("OUT") {
-            let to = *draw.weighted::<&[&str]>(&[
-                (84, [].as_slice()),
-                (13, &["-o", "out.json"]),
-                (3, if can_replace(line) { &["-o", "in.json", "--in-place"] } else { &[] }),
-            ]);
-            words.extend(to.iter().map(ToString::to_string));
+            // A stage that reads one document from a file can replace it.
+            let is_stage = line.kind == FileKind::Document && line.words.ends_with(" IN");
+            let in_place = is_stage && !line.words.contains("fixtures/");
+            let in_place = if in_place { "-o in.json --in-place" } else { "" };
+            let to = *draw.weighted(&[(84, ""), (13, "-o out.json"), (3, in_place)]);
+            words.extend(to.split_whitespace().map(String::from));
         }
         let mut files = vec![(file.to_string(), bytes)];
         if line.words.contains("AROUND") {
@@ -71,16 +72,6 @@ impl Case {
         let on_stdin = line.words.ends_with(" -");
         Self { words, files, on_stdin, told: format!("{}: {}", seed.name, edits.join(", ")) }
     }
-}
-
-/// Whether the line is that of a stage that reads one document from a file.
-fn can_replace(line: Line) -> bool {
-    line.kind == FileKind::Document && line.words.ends_with(" IN") && !line.words.contains("fixtures/")
-}
-
-/// A word for a command line, without what no command line can hold.
-fn argument(draw: &mut Draw) -> String {
-    mutate::values::word(draw).replace('\0', "").chars().take(2000).collect()
 }
 
 /// A document whose readings are the changed table beside it.

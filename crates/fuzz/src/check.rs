@@ -3,37 +3,16 @@
 pub mod json;
 mod words;
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
-
-use crate::Error;
 use crate::commands::Writes;
 use crate::finding::{Fault, Rule};
 use crate::run::{End, Ended};
 use json::Schemas;
 
-/// The files of a folder, with their sizes.
-pub type Listing = BTreeMap<String, u64>;
-
-pub fn listing(folder: &Path) -> Result<Listing, Error> {
-    let failed = |e| Error::file(folder, "read", e);
-    let mut files = Listing::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let entry = entry.map_err(failed)?;
-        let size = entry.metadata().map_err(failed)?.len();
-        files.insert(entry.file_name().to_string_lossy().into_owned(), size);
-    }
-    Ok(files)
-}
-
-/// A program that was run.
 pub struct Run {
-    /// Its command line.
     pub asked: String,
     pub ended: Ended,
-    pub before: Listing,
-    pub after: Listing,
+    /// Files that are new or of another size.
+    pub changed: Vec<String>,
     /// What it wrote, if it succeeded: standard output or a file.
     pub written: Vec<u8>,
 }
@@ -41,7 +20,7 @@ pub struct Run {
 /// All faults of a run that writes such a thing where it succeeds. What it read and its command line may be
 /// repeated in its words.
 pub fn faults(run: &Run, writes: Writes, read: &[u8], schemas: &Schemas) -> Vec<Fault> {
-    let Run { asked, ended, before, after, written } = run;
+    let Run { asked, ended, changed, written } = run;
     let mut faults = Vec::new();
     if let Some(line) = ended.stderr.lines().find(|line| line.contains("panicked at")) {
         let message = ended.stderr.lines().skip_while(|other| *other != line).nth(1).unwrap_or_default();
@@ -67,16 +46,13 @@ pub fn faults(run: &Run, writes: Writes, read: &[u8], schemas: &Schemas) -> Vec<
         End::Code(101) if !faults.is_empty() => {}
         End::Code(code) => faults.push(Fault::new(Rule::Code, format!("exit code {code}: {last}"))),
     }
-    if ended.end != End::Code(0) {
-        if !ended.stdout.is_empty() {
-            let found = format!("{} bytes on standard output beside a failure", ended.stdout.len());
-            faults.push(Fault::new(Rule::LeftBehind, found));
-        }
-        let changed = after.iter().filter(|(name, size)| before.get(*name) != Some(*size));
-        let fault = |name: &String| Fault::new(Rule::LeftBehind, format!("{name} beside a failure"));
-        faults.extend(changed.map(|(name, _)| fault(name)));
-    } else if let Some(name) = after.keys().find(|name| name.ends_with(".part")) {
-        faults.push(Fault::new(Rule::LeftBehind, format!("{name} beside what is done")));
+    let is_done = ended.end == End::Code(0);
+    if !is_done && !ended.stdout.is_empty() {
+        let found = format!("{} bytes on standard output beside a failure", ended.stdout.len());
+        faults.push(Fault::new(Rule::LeftBehind, found));
     }
+    let beside = if is_done { "what is done" } else { "a failure" };
+    let left = changed.iter().filter(|name| !is_done || name.ends_with(".part"));
+    faults.extend(left.map(|name| Fault::new(Rule::LeftBehind, format!("{name} beside {beside}"))));
     faults
 }

@@ -6,25 +6,20 @@
 
 use crate::kind::FileKind;
 
-/// What a program writes where it succeeds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Writes {
     Document,
     /// A document a line.
     Documents,
     Mapping,
-    /// Statistics of a piece.
     Piece,
-    /// Other JSON.
     Json,
     /// Words, a page or a table.
     Text,
 }
 
-/// A command line, and what it reads and writes.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
-    /// What is changed.
     pub kind: FileKind,
     /// How often, among the lines of its kind.
     pub weight: usize,
@@ -38,7 +33,6 @@ impl Line {
     }
 }
 
-/// The program that a command line begins with.
 pub fn program(words: &'static str) -> &'static str {
     words.split(' ').next().unwrap_or_default()
 }
@@ -63,7 +57,6 @@ const fn line(kind: FileKind, weight: usize, words: &'static str, writes: Writes
     Line { kind, weight, words, writes }
 }
 
-/// All command lines.
 pub const LINES: [Line; 91] = {
     use FileKind::{Cdf, Csv, Iaga, Mapping, Ndjson, Observatory, Orientations, Parquet, Piece, Plan, Spec};
     use Writes::{Documents, Json, Text};
@@ -193,29 +186,22 @@ pub const OPTIONS: [(&str, &str); 16] = [
     ("ingest", "--declination-base-arcmin #|--id @|--procedure @|--as reference|--as test"),
 ];
 
-/// The programs that read what a program wrote.
-pub fn next(program: &str) -> &'static [&'static str] {
-    match program {
-        "simulate" => &["coilcal", "sensorcal", "axescal", "diffmag", "absolute", "correct", "report --text"],
-        "ingest" => &[
-            "report --text",
-            "diagnose",
-            "diffmag",
-            "absolute",
-            "correct",
-            "sensorcal",
-            "series average --window 60",
-        ],
-        "series" => &["report --text"],
-        "coilcal" => &["sensorcal", "axescal", "diagnose", "correct", "report --text", "coilcal"],
-        "sensorcal" => &["axescal", "diagnose", "correct", "report", "sensorcal"],
-        "axescal" => &["correct", "diagnose", "report --text", "axescal", "sensorcal", "simulate replay"],
-        "diffmag" => &["report --text", "diffmag", "correct"],
-        "scalarcal" => &["report --text", "correct", "diagnose", "scalarcal"],
-        "absolute" => &["report --text", "correct", "absolute"],
-        "starcal" => &["report --text", "correct", "diagnose", "starcal"],
-        "diagnose" => &["correct", "report --text", "diagnose", "simulate replay"],
-        "correct" => &["report --text", "diagnose", "correct"],
-        _ => &[],
-    }
+/// The programs that read what a program wrote, with bars between.
+pub fn next(program: &str) -> &'static str {
+    NEXT.iter().find(|(before, _)| *before == program).map_or("", |(_, next)| next)
 }
+
+const NEXT: [(&str, &str); 12] = [
+    ("simulate", "coilcal|sensorcal|axescal|diffmag|absolute|correct|report --text"),
+    ("ingest", "report --text|diagnose|diffmag|absolute|correct|sensorcal|series average --window 60"),
+    ("series", "report --text"),
+    ("coilcal", "sensorcal|axescal|diagnose|correct|report --text|coilcal"),
+    ("sensorcal", "axescal|diagnose|correct|report|sensorcal"),
+    ("axescal", "correct|diagnose|report --text|axescal|sensorcal|simulate replay"),
+    ("diffmag", "report --text|diffmag|correct"),
+    ("scalarcal", "report --text|correct|diagnose|scalarcal"),
+    ("absolute", "report --text|correct|absolute"),
+    ("starcal", "report --text|correct|diagnose|starcal"),
+    ("diagnose", "correct|report --text|diagnose|simulate replay"),
+    ("correct", "report --text|diagnose|correct"),
+];

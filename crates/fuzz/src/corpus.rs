@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use crate::Error;
 use crate::draw::Draw;
 use crate::kind::FileKind;
+use crate::programs::Programs;
+use crate::run::{self, End};
 
 /// A file to begin with.
 #[derive(Clone, Debug)]
@@ -26,11 +28,9 @@ impl Seed {
     }
 }
 
-/// What cases begin with.
 #[derive(Clone, Debug, Default)]
 pub struct Corpus {
     pub fixtures: PathBuf,
-    /// All files, in the order of their names.
     pub seeds: Vec<Seed>,
 }
 
@@ -65,18 +65,11 @@ impl Corpus {
         list[draw.below(list.len())]
     }
 
-    /// Any JSON value of a kind.
     pub fn any_value(&self, kind: FileKind, draw: &mut Draw) -> Option<&Value> {
         let own = self.seeds.iter().filter(|seed| seed.kind == kind);
         let all: Vec<&Value> = own.filter_map(|seed| seed.value.as_ref()).collect();
         if all.is_empty() { None } else { Some(*draw.of(&all)) }
     }
-}
-
-/// What a change may take parts from: the files of the same kind.
-pub struct Context<'a> {
-    pub corpus: &'a Corpus,
-    pub kind: FileKind,
 }
 
 /// What stands in the names of fixtures with something for a program.
@@ -110,6 +103,34 @@ fn below(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Six orientations that a fixture could take.
 const ORIENTATIONS: &str = "[[[1,0,0],[0,1,0],[0,0,1]],[[0,1,0],[-1,0,0],[0,0,1]],[[-1,0,0],[0,-1,0],[0,0,1]],\
     [[0,-1,0],[1,0,0],[0,0,1]],[[1,0,0],[0,0,1],[0,-1,0]],[[0,0,1],[0,1,0],[-1,0,0]]]";
+
+/// Processor time of a program that makes one, s: the builds of tests are not optimised.
+const PROCESSOR_S: u64 = 600;
+/// Each with the command line that makes it.
+const MADE: [(FileKind, &str); 5] = [
+    (FileKind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/morning.csv"),
+    (FileKind::Piece, "diffmag stream --partial fixtures/diffmag/pieces/evening.csv"),
+    (FileKind::Piece, "scalarcal stream --partial fixtures/scalarcal/pieces/morning.csv"),
+    (FileKind::Document, "simulate campaign fixtures/plans/magsat-axes.json"),
+    (FileKind::Mapping, "ingest guess fixtures/ingest/field.csv"),
+];
+
+/// Adds files that only the programs can make.
+pub fn add_made(corpus: &mut Corpus, programs: &Programs) -> Result<(), Error> {
+    let folder = tempfile::tempdir().map_err(|e| Error::file("a temporary folder", "written", e))?;
+    let fixtures = format!("{}/", corpus.fixtures.display());
+    for (kind, line) in MADE {
+        let words: Vec<String> =
+            line.split(' ').map(|word| word.replacen("fixtures/", &fixtures, 1)).collect();
+        let (program, folder) = (programs.path(&words[0]), folder.path());
+        let done = run::run(&program, &words[1..], (folder, folder), None, PROCESSOR_S)?;
+        if done.end != End::Code(0) {
+            return Err(Error::Request(format!("{line}: {:?}, {}", done.end, done.stderr.trim())));
+        }
+        corpus.seeds.push(Seed::new(format!("made by {line}"), kind, done.stdout));
+    }
+    // What the programs made depends on their version; the folder is empty again.
+    fs::remove_dir_all(folder.path()).map_err(|e| Error::file(folder.path(), "written", e))
+}

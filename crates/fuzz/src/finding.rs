@@ -6,10 +6,8 @@ use std::path::Path;
 
 use crate::Error;
 
-/// A rule that was broken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Rule {
-    /// No panic.
     Panic,
     /// No end by a signal.
     Signal,
@@ -29,7 +27,6 @@ pub enum Rule {
     Refused,
 }
 
-/// A broken rule, with what broke it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fault {
     pub rule: Rule,
@@ -55,7 +52,6 @@ pub struct Finding {
     pub(crate) case: u64,
     /// The fixture, and what was changed.
     pub(crate) told: String,
-    /// The command lines, the last of which broke the rules.
     pub(crate) commands: Vec<String>,
     pub(crate) faults: Vec<Fault>,
     pub(crate) stderr: String,

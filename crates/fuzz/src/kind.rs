@@ -2,10 +2,8 @@
 
 use serde_json::Value;
 
-/// A kind of file that a program reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum FileKind {
-    /// A campaign's document.
     Document,
     /// What `simulate` carries out.
     Plan,
@@ -21,11 +19,8 @@ pub enum FileKind {
     Orientations,
     /// An observatory's day, or its baselines, as text.
     Iaga,
-    /// Columns of text.
     Csv,
-    /// An object a line.
     Ndjson,
-    /// Columns in binary.
     Parquet,
     /// Records of variables, or days of IAF, in binary.
     Cdf,

@@ -21,7 +21,6 @@ mod draw;
 mod finding;
 mod follow;
 mod kind;
-mod made;
 mod mutate;
 mod programs;
 mod run;

@@ -87,12 +87,8 @@ fn run(cli: Cli) -> Result<(), Error> {
     let alike = alike.into_inner().unwrap_or_else(|poisoned| poisoned.into_inner());
     let lines: Vec<String> =
         alike.iter().map(|(likeness, count)| format!("  {count} × {likeness}")).collect();
-    Err(Error::Unanswerable(format!(
-        "{} findings of {} kinds\n{}",
-        summary.findings.len(),
-        alike.len(),
-        lines.join("\n")
-    )))
+    let (found, kinds) = (summary.findings.len(), alike.len());
+    Err(Error::Unanswerable(format!("{found} findings of {kinds} kinds\n{}", lines.join("\n"))))
 }
 
 /// What was run, as words.

@@ -1,6 +1,5 @@
 //! Changes to files: mostly small, sometimes several at once.
 
-mod columns;
 pub mod json;
 pub mod pointers;
 mod recordings;

@@ -14,16 +14,13 @@ const WAITING: u64 = 3;
 /// The signal by which the system ends a program over its processor time.
 const OVER_TIME: i32 = 24;
 
-/// How a program ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
     Code(i32),
     Signal(i32),
-    /// It had not ended in its time.
     Hang,
 }
 
-/// What a program did.
 #[derive(Clone, Debug)]
 pub struct Ended {
     pub end: End,
@@ -108,10 +105,7 @@ mod tests {
     #[test]
     fn ends_are_told_apart() {
         let done = ended("echo out; echo said >&2; exit 3");
-        assert_eq!(
-            (done.end, done.stdout.as_slice(), done.stderr.as_str()),
-            (End::Code(3), b"out\n".as_slice(), "said\n")
-        );
+        assert_eq!((done.end, &done.stdout[..], &done.stderr[..]), (End::Code(3), &b"out\n"[..], "said\n"));
         assert_eq!(ended("kill -6 $$").end, End::Signal(6));
         assert_eq!(ended("kill -24 $$").end, End::Hang);
     }

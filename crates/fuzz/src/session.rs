@@ -1,7 +1,8 @@
 //! Cases one after another on all cores, so many or until the time is over.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, DirEntry};
+use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -14,12 +15,11 @@ use crate::case::{self, Case};
 use crate::check::json::Schemas;
 use crate::check::{self, Run};
 use crate::commands::{self, Writes};
-use crate::corpus::Corpus;
+use crate::corpus::{self, Corpus};
 use crate::draw::Draw;
 use crate::finding::{Fault, Finding, Rule};
 use crate::follow;
 use crate::kind::FileKind;
-use crate::made;
 use crate::programs::Programs;
 use crate::run::{self, End};
 
@@ -71,7 +71,7 @@ impl Session {
     pub fn new(programs: Programs) -> Result<Self, Error> {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
         let mut corpus = Corpus::read(&root.join("fixtures"))?;
-        made::add(&mut corpus, &programs)?;
+        corpus::add_made(&mut corpus, &programs)?;
         Ok(Self { programs, corpus, schemas: Schemas::read(&root.join("schemas"))? })
     }
 
@@ -137,9 +137,9 @@ impl Session {
         let mut writes = line.writes;
         let mut is_document = line.kind == FileKind::Document;
         for _ in 0..FURTHER {
-            let after: &[&'static str] = match (writes, program) {
-                (Writes::Piece, "scalarcal") => &["scalarcal merge"],
-                (Writes::Piece, _) => &["diffmag merge"],
+            let after = match (writes, program) {
+                (Writes::Piece, "scalarcal") => "scalarcal merge",
+                (Writes::Piece, _) => "diffmag merge",
                 _ => commands::next(program),
             };
             let reads_on = matches!(writes, Writes::Document | Writes::Piece) && !after.is_empty();
@@ -148,7 +148,7 @@ impl Session {
             if !goes_on || draw.chance(25) {
                 break;
             }
-            let next = *draw.of(after);
+            let next = draw.part(after);
             let written = last.written.clone();
             files.push(("next.json".into(), written.clone()));
             let words: Vec<String> = next.split(' ').chain(["next.json"]).map(String::from).collect();
@@ -192,7 +192,6 @@ impl Session {
     }
 }
 
-/// A case that was run.
 struct Done {
     runs: Vec<(String, String)>,
     finding: Option<Finding>,
@@ -224,11 +223,12 @@ impl<'a> Place<'a> {
     }
 
     fn run(&mut self, words: &[String], stdin: Option<&Path>) -> Result<Run, Error> {
-        let before = check::listing(&self.folder)?;
+        let before = sizes(&self.folder)?;
         let program = self.programs.path(&words[0]);
         let ended =
             run::run(&program, &words[1..], (&self.folder, self.root.path()), stdin, self.processor_s)?;
-        let after = check::listing(&self.folder)?;
+        let mut changed = sizes(&self.folder)?;
+        changed.retain(|name, size| before.get(name) != Some(size));
         let output = words.iter().position(|word| word == "-o").and_then(|at| words.get(at + 1));
         let written = match output {
             Some(name) if ended.end == End::Code(0) => fs::read(self.folder.join(name)).unwrap_or_default(),
@@ -241,6 +241,17 @@ impl<'a> Place<'a> {
         }
         self.commands.push(command);
         self.runs.push((words[0].clone(), format!("{:?}", ended.end)));
-        Ok(Run { asked, ended, before, after, written })
+        let changed = changed.into_keys().collect();
+        Ok(Run { asked, ended, changed, written })
     }
+}
+
+/// The files of a folder with their sizes.
+fn sizes(folder: &Path) -> Result<BTreeMap<String, u64>, Error> {
+    let failed = |e| Error::file(folder, "read", e);
+    let of = |entry: io::Result<DirEntry>| -> io::Result<(String, u64)> {
+        let entry = entry?;
+        Ok((entry.file_name().to_string_lossy().into_owned(), entry.metadata()?.len()))
+    };
+    fs::read_dir(folder).and_then(|entries| entries.map(of).collect()).map_err(failed)
 }

@@ -14,7 +14,6 @@ use crate::mutate::pointers;
 /// Keys below which null says that something is missing or was not looked for, or is what was read.
 const MAY_BE_NULL: [&str; 6] = ["columns", "clock", "readings", "fields_nt", "reference_c", UNKNOWN];
 
-/// The published schemas.
 pub struct Schemas {
     document: Validator,
     mapping: Validator,

@@ -8,7 +8,12 @@ use crate::draw::Draw;
 /// A place: along a way down from the top, or under a key of its own, so that rare keys come up as often as
 /// common ones.
 pub fn pick(value: &Value, draw: &mut Draw) -> Option<String> {
-    if draw.chance(60) { walk(value, draw) } else { under_a_key(value, draw) }
+    if draw.chance(60) {
+        return walk(value, draw);
+    }
+    let all = keys(value);
+    let (_, places) = all.iter().nth(draw.below(all.len()))?;
+    Some(draw.of(places).clone())
 }
 
 /// A place with its key, which is the last part of a pointer.
@@ -48,12 +53,6 @@ fn walk(value: &Value, draw: &mut Draw) -> Option<String> {
             return Some(pointer);
         }
     }
-}
-
-fn under_a_key(value: &Value, draw: &mut Draw) -> Option<String> {
-    let all = keys(value);
-    let (_, places) = all.iter().nth(draw.below(all.len()))?;
-    Some(draw.of(places).clone())
 }
 
 /// All keys, each with its places.

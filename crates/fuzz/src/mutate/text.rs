@@ -47,7 +47,8 @@ pub fn edit(bytes: &mut Vec<u8>, kind: FileKind, draw: &mut Draw) -> &'static st
             return "other line ends";
         }
         7 => {
-            replace(bytes, *draw.of(b",;\t |"), *draw.of(b",;\t |."));
+            let (from, to) = (*draw.of(b",;\t |"), *draw.of(b",;\t |."));
+            bytes.iter_mut().filter(|byte| **byte == from).for_each(|byte| *byte = to);
             return "another separator";
         }
         8 if !kind.is_json() && kind != FileKind::Iaga => {
@@ -63,10 +64,6 @@ pub fn edit(bytes: &mut Vec<u8>, kind: FileKind, draw: &mut Draw) -> &'static st
     };
     *bytes = lines.join(&b'\n');
     done
-}
-
-fn replace(bytes: &mut [u8], from: u8, to: u8) {
-    bytes.iter_mut().filter(|byte| **byte == from).for_each(|byte| *byte = to);
 }
 
 /// The separator that there is most of.

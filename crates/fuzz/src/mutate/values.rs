@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use crate::draw::Draw;
 
-const NUMBERS: [f64; 30] = [
+pub const NUMBERS: [f64; 30] = [
     0.0, -0.0, 1.0, -1.0, 2.0, 3.0, 0.5, 1e-308, 5e-324, 1e308, -1e308, 1e-30, 1e30, 1e154, 1e-154, 1e12,
     -1e31, 1e-9, 1e9, -1e9, 99999.0, 88888.88, 180.0, 360.0, -273.15, -273.2, 1e6, 1.7e9, 64000.0, 1e5,
 ];
@@ -12,7 +12,7 @@ const NUMBERS: [f64; 30] = [
 const WHOLE: [i64; 10] = [0, 1, -1, 2, 7, 255, 65536, 4_294_967_296, i64::MAX, i64::MIN];
 
 /// Numbers of a command line, with bars between them.
-const TYPED: &str = "nan|inf|-inf|1e308|-1|0|1e-308|-0|1|0.5|2|5|24|25|1e400||x|1e9|1e-9|\
+pub const TYPED: &str = "nan|inf|-inf|1e308|-1|0|1e-308|-0|1|0.5|2|5|24|25|1e400||x|1e9|1e-9|\
     18446744073709551616|4294967297|1,5|0x10| 1";
 
 /// Words, with bars between them.
@@ -30,20 +30,10 @@ pub fn number(draw: &mut Draw) -> Value {
     }
 }
 
-/// A column's reading that none is.
-pub fn reading(draw: &mut Draw) -> f64 {
-    *draw.of(&NUMBERS)
-}
-
-pub fn typed(draw: &mut Draw) -> &'static str {
-    draw.part(TYPED)
-}
-
 pub fn word(draw: &mut Draw) -> String {
     if draw.chance(3) { "long ".repeat(20_000) } else { draw.part(WORDS).to_string() }
 }
 
-/// A value of another type.
 pub fn of_another_type(value: &Value, draw: &mut Draw) -> Value {
     let others = [
         Value::Null,
