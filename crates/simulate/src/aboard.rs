@@ -7,16 +7,6 @@ use noise::{NoiseError, Stream};
 use physics::frames::{ARCSEC, small_rotation};
 use serde::{Deserialize, Serialize};
 
-/// What is read and written aboard.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Aboard {
-    pub sensors: Vec<Axis>,
-    /// Whether a scalar magnetometer reads beside.
-    pub scalar: bool,
-    /// Field model and attitude as they are written.
-    pub known_field: Option<KnownField>,
-}
-
 /// Errors of a field model and of a star sensor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -67,7 +57,6 @@ pub fn attitude_columns(attitude: &[UnitQuaternion<f64>]) -> Vec<(String, Column
     vec![part("w", &|q| q.w), part("x", &|q| q.i), part("y", &|q| q.j), part("z", &|q| q.k)]
 }
 
-/// A rotation as a unit quaternion.
 pub fn quaternion(rotation: &Matrix3<f64>) -> UnitQuaternion<f64> {
     UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation))
 }

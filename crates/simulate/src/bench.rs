@@ -11,7 +11,7 @@ use physics::frames::{self, ARCSEC};
 use crate::differential::DifferentialTruth;
 use crate::outside::OutsidePlan;
 use crate::planned::{Planned, Reads, Rows, Step};
-use crate::timing::Timing;
+use serde::{Deserialize, Serialize};
 
 /// Rows that a campaign may have in all its recordings together.
 pub const MOST_ROWS: f64 = 5e7;
@@ -19,7 +19,6 @@ pub const MOST_ROWS: f64 = 5e7;
 /// What the operator knows and has.
 pub struct Bench<'a> {
     pub seed: u64,
-    /// When the campaign begins, where that is planned.
     pub start: Option<&'a str>,
     pub timing: &'a Timing,
     pub outside: Option<&'a OutsidePlan>,
@@ -28,7 +27,6 @@ pub struct Bench<'a> {
     pub document: &'a Document,
     /// The chain as it is stated: the operator sets currents by it.
     pub stated: &'a Basic,
-    /// The chain as it is true.
     pub truth: &'a Basic,
 }
 
@@ -125,7 +123,6 @@ impl Bench<'_> {
         facility.and_then(|facility| facility.theodolite_std_arcsec(1)).unwrap_or(0.0)
     }
 
-    /// A vector of normal numbers.
     pub fn random(&self, stream: &mut Stream, std: f64) -> Vector3<f64> {
         Vector3::from_fn(|_, _| stream.normal() * std)
     }
@@ -161,7 +158,6 @@ fn turn(axis: Axis, quarters: f64) -> Matrix3<f64> {
     turn
 }
 
-/// A sensor along a coil.
 pub struct Aligned {
     sensor: Axis,
     /// Sensor, coil and the orientation as the theodolites read it.
@@ -185,24 +181,20 @@ impl Aligned {
     }
 }
 
-/// Refuses what is not a positive number, by its key.
 pub fn positive<const COUNT: usize>(path: &str, values: [(&str, f64); COUNT]) -> Result<(), Error> {
     values.into_iter().try_for_each(|(key, value)| {
         held(value.is_finite() && value > 0.0, path, key, value.to_string(), "a positive number")
     })
 }
 
-/// Refuses a list without content.
 pub fn filled<T>(path: &str, key: &str, list: &[T], expected: &str) -> Result<(), Error> {
     held(!list.is_empty(), path, key, "an empty list", expected)
 }
 
-/// Refuses a negative standard deviation.
 pub fn deviation(path: &str, key: &str, value: f64) -> Result<(), Error> {
     held(value >= 0.0, path, key, "a negative number", "a standard deviation")
 }
 
-/// Refuses an exponent of which no noise can be made.
 pub fn exponent(path: &str, noise: &Noise) -> Result<(), Error> {
     let exponent = noise.flicker_exponent.unwrap_or(1.0);
     let expected = "an exponent from 0 (white) to 2 (random walk)";
@@ -236,4 +228,36 @@ pub fn sweep(to: f64, points: usize) -> Vec<f64> {
 /// A unit vector times a number.
 pub fn on(coil: Axis, field_nt: f64) -> Vector3<f64> {
     Vector3::ith(coil.index(), field_nt)
+}
+
+/// How long things take, s.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields, default)]
+pub struct Timing {
+    /// After a change of the drive, before the reading.
+    pub field_settle_s: f64,
+    /// One reading.
+    pub reading_s: f64,
+    /// Setting up a procedure, or turning the block to another orientation and reading the theodolites once.
+    pub orientation_s: f64,
+    /// Reading the theodolites once more.
+    pub theodolite_s: f64,
+    /// After a change of temperature (NASA: about half an hour).
+    pub temperature_settle_s: f64,
+    /// Turning a sensor by 180°.
+    pub reversal_s: f64,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            field_settle_s: 10.0,
+            reading_s: 1.0,
+            orientation_s: 900.0,
+            theodolite_s: 180.0,
+            temperature_settle_s: 1800.0,
+            reversal_s: 60.0,
+        }
+    }
 }

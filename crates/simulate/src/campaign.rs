@@ -1,18 +1,14 @@
 //! A whole campaign: every procedure of a plan, with what is true behind it.
 
 use common::number::bare;
-use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Noise, Recording};
-use nalgebra::Vector3;
+use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Recording};
 use physics::{Basic, EffectInstance, References, Unit, frames};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use crate::bench::{Bench, MOST_ROWS, exponent, positive};
-use crate::differential::DifferentialTruth;
+use crate::bench::{Bench, MOST_ROWS, Timing, exponent, positive};
 use crate::make::{self, World};
-use crate::outside::OutsidePlan;
 use crate::plan::{CalibrationPart, DriveRecord, Plan, TruthPlan};
 use crate::schedule::{Scheduled, schedule};
-use crate::timing::Timing;
 use crate::truth::{Electrical, TrueOrientation, Truth, true_calibration};
 
 /// The document that a campaign gives, and what is true behind it.
@@ -24,27 +20,12 @@ pub struct Campaign {
     pub truth: Truth,
 }
 
-/// Everything that is decided before the first reading.
-pub struct Prepared {
-    /// What the document states, without recordings.
-    document: Document,
-    /// The same with what is true instead, exact.
-    true_document: Document,
-    /// The true chain.
-    basic: Basic,
-    /// The effects that act.
-    effects: Vec<EffectInstance>,
-    /// Unit of the readings.
-    unit: Unit,
-    pub scheduled: Vec<Scheduled>,
-}
-
 /// Carries out a plan.
 ///
 /// The operator sets the currents by what the plan states; the field, the readings and their errors
 /// follow from what is true. Errors name the place in the plan.
 pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
-    let Prepared { mut document, mut true_document, basic, effects, unit, mut scheduled } = prepare(plan)?;
+    let (mut document, mut world, mut scheduled) = prepare(plan)?;
     let mut orientations = Vec::with_capacity(scheduled.len());
     for Scheduled { planned, .. } in &mut scheduled {
         let orientation = frames::rows(&planned.rotation);
@@ -55,44 +36,34 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         recording.conditions.theodolite = None;
         recording.conditions.orientation = Some(orientation);
         orientations.push(TrueOrientation { recording: recording.id.clone(), orientation });
-        true_document.recordings.push(recording);
+        world.document.recordings.push(recording);
     }
-    true_document.check()?;
+    world.document.check()?;
     if let Some(outside) = &plan.truth.outside {
         let main = References { outside_nt: outside.main_field_nt.map(Some), ..References::default() };
-        physics::state_references(&mut true_document, &main);
+        physics::state_references(&mut world.document, &main);
     }
-    let references = References::of(&true_document);
-    let set = take_columns(&mut true_document);
-    let electrical = match plan.drive {
-        DriveRecord::Current => None,
-        DriveRecord::Voltage => Some(Electrical::draw(plan)?),
-    };
-    let wander = make::wander(plan, &set, &scheduled)?;
-    let world = World {
-        plan,
-        document: &true_document,
-        basic: &basic,
-        effects: &effects,
-        unit,
-        references,
-        residual_field_nt: vector(plan.truth.residual_field_nt.as_ref()),
-        shield_field_nt: vector(plan.truth.shield_field_nt.as_ref()),
-        electrical: electrical.as_ref(),
-        wander: wander.iter().map(|wander| (wander.recording.clone(), wander.offset_nt)).collect(),
-    };
+    world.references = References::of(&world.document);
+    let set = take_columns(&mut world.document);
+    if plan.drive == DriveRecord::Voltage {
+        world.electrical = Some(Electrical::draw(plan)?);
+    }
+    let offset_wander = make::wander(plan, &set, &scheduled)?;
+    let by_recording = offset_wander.iter().map(|wander| (wander.recording.clone(), wander.offset_nt));
+    world.wander = by_recording.collect();
     document.recordings = world.recordings(set, &scheduled)?;
+    let told = plan.truth.clone();
     let truth = Truth {
         fluxcal: FORMAT_VERSION,
         seed: plan.seed,
-        residual_field_nt: world.residual_field_nt.into(),
-        offset_wander: wander,
-        shield_field_nt: plan.truth.shield_field_nt.clone(),
-        coil_profile: plan.truth.coil_profile.clone(),
-        electrical,
-        differential: plan.truth.differential.clone(),
-        model: plan.truth.model.clone().unwrap_or_default(),
-        calibration: true_document.calibration.unwrap_or_default(),
+        residual_field_nt: make::vector(told.residual_field_nt.as_ref()).into(),
+        offset_wander,
+        shield_field_nt: told.shield_field_nt,
+        coil_profile: told.coil_profile,
+        electrical: world.electrical,
+        differential: told.differential,
+        model: told.model.unwrap_or_default(),
+        calibration: world.document.calibration.unwrap_or_default(),
         orientations,
     };
     Ok(Campaign { document, truth })
@@ -110,8 +81,9 @@ fn take_columns(document: &mut Document) -> Vec<Recording> {
     std::mem::replace(&mut document.recordings, bare)
 }
 
-/// Checks a plan and puts its recordings in order.
-pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
+/// Checks a plan and puts its recordings in order: what the document states, without recordings, what is true, and the
+/// recordings without their readings.
+pub fn prepare(plan: &Plan) -> Result<(Document, World<'_>, Vec<Scheduled>), Error> {
     let mut document = Document {
         fluxcal: FORMAT_VERSION,
         title: plan.title.clone(),
@@ -176,46 +148,48 @@ pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
             }
         }
     }
-    Ok(Prepared { document, true_document, basic, effects, unit, scheduled })
+    let world = World {
+        plan,
+        document: true_document,
+        basic,
+        effects,
+        unit,
+        references: References::default(),
+        electrical: None,
+        wander: HashMap::new(),
+    };
+    Ok((document, world, scheduled))
 }
 
-/// Every noise of the plan can be made.
 fn check_noise(plan: &Plan) -> Result<(), Error> {
     let TruthPlan { outside, site, offset_wander, differential, .. } = &plan.truth;
-    let instrument = |axis| plan.instrument.as_ref()?.noise_of(axis);
-    let of_outside = |of: fn(&OutsidePlan) -> Option<&Noise>| outside.as_ref().and_then(of);
-    let of_two = |of: fn(&DifferentialTruth) -> Option<&Noise>| differential.as_ref().and_then(of);
-    let mut all: Vec<(String, Option<&Noise>)> =
-        Axis::ALL.map(|axis| ("instrument.noise".into(), instrument(axis))).into();
-    let named = |(path, noise): (&str, _)| (format!("truth.{path}"), noise);
-    all.extend(
-        [
-            ("outside.background", of_outside(|outside| outside.background.as_ref())),
-            ("outside.station", of_outside(|outside| outside.station.as_ref())),
-            ("outside.storm.unrest", of_outside(|outside| outside.storm.as_ref()?.unrest.as_ref())),
-        ]
-        .map(named),
-    );
+    let (outside, pair) = (outside.as_ref(), differential.as_ref());
+    let storm = outside.and_then(|outside| outside.storm.as_ref());
+    let instrument = |axis| plan.instrument.as_ref().and_then(|instrument| instrument.noise_of(axis));
+    let of_instrument = Axis::ALL.map(|axis| ("instrument.noise".to_string(), instrument(axis)));
+    let of_outside = [
+        ("outside.background", outside.and_then(|outside| outside.background.as_ref())),
+        ("outside.station", outside.and_then(|outside| outside.station.as_ref())),
+        ("outside.storm.unrest", storm.and_then(|storm| storm.unrest.as_ref())),
+    ];
     let of_site = site.iter().flat_map(|site| site.all());
-    all.extend(of_site.map(|(site, of)| (format!("truth.site.{}.noise", site.name()), Some(&of.noise))));
-    all.extend(
-        [
-            ("offset_wander", offset_wander.as_ref()),
-            ("differential.reference_noise", of_two(|two| two.reference_noise.as_ref())),
-            ("differential.third.noise", of_two(|two| two.third.as_ref()?.noise.as_ref())),
-        ]
-        .map(named),
-    );
+    let of_site = of_site.map(|(site, of)| (format!("truth.site.{}.noise", site.name()), Some(&of.noise)));
+    let others = [
+        ("offset_wander", offset_wander.as_ref()),
+        ("differential.reference_noise", pair.and_then(|pair| pair.reference_noise.as_ref())),
+        ("differential.third.noise", pair.and_then(|pair| pair.third.as_ref()?.noise.as_ref())),
+    ];
+    let named = |(path, noise): (&str, _)| (format!("truth.{path}"), noise);
+    let all = of_instrument.into_iter().chain(of_outside.map(named)).chain(of_site).chain(others.map(named));
     for (path, noise) in all {
         noise.map_or(Ok(()), |noise| exponent(&path, noise))?;
     }
-    if let Some(storm) = outside.as_ref().and_then(|outside| outside.storm.as_ref()) {
+    if let Some(storm) = storm {
         positive("truth.outside.storm", [("growth_s", storm.growth_s), ("recovery_s", storm.recovery_s)])?;
     }
     Ok(())
 }
 
-/// Times that run forwards.
 fn check_timing(timing: &Timing) -> Result<(), Error> {
     for (key, value) in [
         ("field_settle_s", timing.field_settle_s),
@@ -245,7 +219,6 @@ fn check_columns(effects: &[EffectInstance], scheduled: &[Scheduled]) -> Result<
     Ok(())
 }
 
-/// Each recording has an id of its own.
 fn check_ids(scheduled: &[Scheduled]) -> Result<(), Error> {
     let mut seen = HashSet::new();
     for Scheduled { planned, .. } in scheduled {
@@ -260,14 +233,8 @@ fn check_ids(scheduled: &[Scheduled]) -> Result<(), Error> {
 
 /// Makes the columns of μ and η unit vectors, in the chain and in what is told of the truth.
 fn unit_directions(mut basic: Basic, document: &mut Document) -> Result<Basic, Error> {
-    let axes = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut());
-    let (mut sensors, mut coils) = match axes {
-        Some(axes) => (axes.sensors.as_mut(), axes.coils.as_mut()),
-        None => (None, None),
-    };
-    for (matrix, told, key) in
-        [(&mut basic.eta, &mut coils, "coils"), (&mut basic.mu, &mut sensors, "sensors")]
-    {
+    let mut axes = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut());
+    for (matrix, key) in [(&mut basic.eta, "coils"), (&mut basic.mu, "sensors")] {
         for axis in 0..3 {
             let length = matrix.column(axis).norm();
             if (length - 1.0).abs() > 1e-3 {
@@ -278,7 +245,11 @@ fn unit_directions(mut basic: Basic, document: &mut Document) -> Result<Basic, E
             }
             matrix.column_mut(axis).normalize_mut();
         }
-        if let Some(told) = told.as_mut().and_then(|told| told.matrix.as_mut()) {
+        let told = axes.as_mut().and_then(|axes| match key {
+            "coils" => axes.coils.as_mut(),
+            _ => axes.sensors.as_mut(),
+        });
+        if let Some(told) = told.and_then(|told| told.matrix.as_mut()) {
             *told = frames::rows(matrix);
         }
     }
@@ -293,8 +264,4 @@ fn unit(stated: &Document, truth: &TruthPlan) -> Unit {
         sensors.into_iter().any(|(_, sensor)| sensor.sensitivity_nt_per_v.is_some())
     });
     if nominal || calibrated { Unit::Volt } else { Unit::Nanotesla }
-}
-
-fn vector(field: Option<&common::PerAxis<f64>>) -> Vector3<f64> {
-    Vector3::from(Axis::ALL.map(|axis| field.and_then(|field| field.get(axis)).copied().unwrap_or(0.0)))
 }

@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use common::{Error, to_text};
-use physics::{About, Acts, Family, Kind, ParameterInfo, Role};
+use physics::{About, Acts, Family, Kind, ParameterInfo};
 use serde_json::{Value, json};
 
 /// How the catalogue is laid out.
@@ -48,16 +48,11 @@ fn entry(kind: Kind) -> Value {
 }
 
 fn parameter(info: &ParameterInfo) -> Value {
-    let role = match info.role {
-        Role::Amplitude => "amplitude",
-        Role::Shape => "shape",
-        Role::Epoch => "epoch",
-    };
     let mut all = json!({"name": info.name});
     if !info.is_moment() {
         all["plausible"] = json!([info.low, info.high]);
     }
-    all["role"] = role.into();
+    all["role"] = format!("{:?}", info.role).to_lowercase().into();
     if let Some(absent) = info.absent {
         all["absent"] = absent.into();
     }
@@ -122,7 +117,10 @@ fn markdown(kinds: &[Kind]) -> String {
             let parameters = parameters(kind.about(), "`", ", ");
             text += &format!("- Of the {}. Takes {key}; parameters {parameters}.\n", place.word());
             if !needs.is_empty() {
-                let needs: Vec<String> = needs.iter().map(|need| code(need)).collect();
+                // A column's name as code, words as words.
+                let code =
+                    |need: &&str| if need.contains(' ') { need.to_string() } else { format!("`{need}`") };
+                let needs: Vec<String> = needs.iter().map(code).collect();
                 text += &format!("- Needs {}.\n", needs.join(", "));
             }
             if !kind.invertible() {
@@ -132,11 +130,6 @@ fn markdown(kinds: &[Kind]) -> String {
         }
     }
     text
-}
-
-/// A column's name as code, words as words.
-fn code(need: &str) -> String {
-    if need.contains(' ') { need.into() } else { format!("`{need}`") }
 }
 
 fn capital(text: &str) -> String {

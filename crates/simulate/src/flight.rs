@@ -4,7 +4,7 @@ mod errors;
 mod orbit;
 mod plan;
 
-use common::{Axis, Column, Conditions, Document, Error, Matrix3x3, Recording, procedure};
+use common::{Axis, Conditions, Document, Error, Matrix3x3, Recording, procedure};
 use mainfield::Celestial;
 use nalgebra::{Matrix3x4, Vector2, Vector3, Vector4};
 use noise::Stream;
@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use crate::aboard::quaternion;
+use crate::planned::columns;
 use errors::{Field, Waves, normal, uniform};
 use orbit::{DAY_S, Moment, Motion};
 pub use plan::{
@@ -77,11 +78,7 @@ struct Head {
     blinded: Vec<[f64; 2]>,
 }
 
-/// Carries out a plan.
-///
-/// # Errors
-///
-/// A plan that [`FlightPlan::parse`] refuses.
+/// Carries out a plan. Errors: a plan that [`FlightPlan::parse`] refuses.
 pub fn flight(plan: &FlightPlan) -> Result<MadeFlight, Error> {
     let (start, years) = plan.check()?;
     let motion = Motion::new(plan, start);
@@ -101,15 +98,14 @@ pub fn flight(plan: &FlightPlan) -> Result<MadeFlight, Error> {
     let made = (0..plan.rows()).into_par_iter();
     let made: Vec<Vec<f64>> =
         made.map_init(Celestial::default, |celestial, row| flight.row(row, celestial)).collect();
-    let columns = flight.names().into_iter().enumerate();
-    let columns = columns.map(|(at, name)| (name, made.iter().map(|row| row[at]).collect::<Column>()));
+    let columns = columns(flight.names(), &made);
     let extra = [("attitude_frame".to_string(), json!(plan.attitude_frame))];
     let recording = Recording {
         id: "flight".into(),
         procedure: procedure::FREE_RUN.into(),
         start: Some(plan.start.clone()),
         conditions: Conditions { extra: extra.into_iter().collect(), ..Conditions::default() },
-        columns: columns.collect(),
+        columns,
         ..Recording::default()
     };
     let title = Some("A magnetometer beside star cameras, simulated".into());
@@ -182,20 +178,16 @@ fn temperatures(motion: &Motion<'_>, time_s: f64) -> Vector2<f64> {
 impl Flight<'_> {
     /// The columns, in the order of [`Self::row`].
     fn names(&self) -> Vec<String> {
-        let mut names = vec!["time_s", "sensor_x_nt", "sensor_y_nt", "sensor_z_nt"];
-        names.extend([
-            "latitude_deg",
-            "longitude_deg",
-            "height_m",
-            "sensor_temperature_c",
-            "bench_temperature_c",
-        ]);
-        names.extend(["panel_current_a", "sun_azimuth_rad", "sun_elevation_rad", "sunlit"]);
+        let mut names = "time_s sensor_x_nt sensor_y_nt sensor_z_nt latitude_deg longitude_deg height_m \
+            sensor_temperature_c bench_temperature_c panel_current_a sun_azimuth_rad sun_elevation_rad sunlit"
+            .to_string();
         if self.plan.write_model {
-            names.extend(["ambient_x_nt", "ambient_y_nt", "ambient_z_nt"]);
+            names += " ambient_x_nt ambient_y_nt ambient_z_nt";
         }
-        let of_head = |head: usize| ["w", "x", "y", "z"].map(|part| format!("camera_{}_{part}", head + 1));
-        names.into_iter().map(String::from).chain((0..self.heads.len()).flat_map(of_head)).collect()
+        for head in 1..=self.heads.len() {
+            ["w", "x", "y", "z"].iter().for_each(|part| names += &format!(" camera_{head}_{part}"));
+        }
+        names.split(' ').map(String::from).collect()
     }
 
     fn row(&self, row: usize, celestial: &mut Celestial) -> Vec<f64> {

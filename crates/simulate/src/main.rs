@@ -3,7 +3,7 @@
 use clap::{Args, Parser, Subcommand};
 use common::number::counted;
 use common::time::Start;
-use common::{Document, Error, Recording};
+use common::{Document, Error, HistoryEntry, Recording};
 use program::beside::{self, INLINE_ROWS, Table};
 use program::pipe::{self, Input, Io, Program, Sink, StageIo};
 use program::place::AtPlace;
@@ -187,10 +187,8 @@ fn main() -> ExitCode {
 
 fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     let CampaignArgs { io, seed, truth, run_sheet, beside, at } = args;
-    separate(io, truth.as_deref())?;
-    let input = Input::read(io.file.as_deref())?;
+    let (input, mut plan) = read(io, truth.as_deref(), simulate::Plan::parse)?;
     let located = |error: Error| input.locate(error);
-    let mut plan = simulate::Plan::parse(&input.text).map_err(located)?;
     plan.seed = seed.unwrap_or(plan.seed);
     let start = plan.start.as_deref().and_then(Start::parse);
     if let Some((field_nt, _)) = at.field_nt(start, "start").map_err(located)? {
@@ -199,64 +197,45 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
     if *run_sheet {
         let RunSheet { csv, steps, length_s, work_s } = simulate::run_sheet(&plan).map_err(located)?;
         pipe::write(io.output.as_deref(), &csv)?;
-        let words =
-            format!("{}, {} of work in {}", counted(steps, "setting"), duration(work_s), duration(length_s));
-        say(io, &words);
+        let [work, length] = [work_s, length_s].map(duration);
+        say(io, &format!("{}, {work} of work in {length}", counted(steps, "setting")));
         return Ok(());
     }
-    let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
-    let arguments = ["campaign".into(), format!("--seed={}", plan.seed)];
-    let arguments = arguments.into_iter().chain(at.arguments()).collect();
-    document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
-    let rows: usize = document.recordings.iter().map(Recording::rows).sum();
-    write(io, &mut document, *beside, truth.as_deref(), &what_is_true.to_text()?)?;
+    let Campaign { mut document, truth: known } = simulate::campaign(&plan).map_err(located)?;
+    document.history.push(entry("campaign", plan.seed, at.arguments(), input.sha256()));
     let recordings = counted(document.recordings.len(), "recording");
-    say(io, &format!("{recordings}, {}, seed {}", counted(rows, "row"), plan.seed));
-    Ok(())
+    let words = format!("{recordings}, {}, seed {}", rows(&document), plan.seed);
+    write(io, document, *beside, truth.as_deref(), &common::to_text(known.finite()?), &words)
 }
 
 fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
     let ObservatoryArgs { io, seed, truth, at } = args;
-    separate(io, truth.as_deref())?;
-    let input = Input::read(io.file.as_deref())?;
+    let (input, mut plan) = read(io, truth.as_deref(), ObservatoryPlan::parse)?;
     let located = |error: Error| input.locate(error);
-    let mut plan = ObservatoryPlan::parse(&input.text).map_err(located)?;
     plan.seed = seed.unwrap_or(plan.seed);
     if let Some((field_nt, _)) = at.field_nt(Start::parse(&plan.start), "start").map_err(located)? {
         plan.main_field_nt = field_nt;
     }
-    let Observatory { mut document, truth: what_is_true } = simulate::observatory(&plan).map_err(located)?;
-    let arguments = ["observatory".into(), format!("--seed={}", plan.seed)];
-    let arguments = arguments.into_iter().chain(at.arguments()).collect();
-    document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
-    let text = document.to_text()?;
-    if let Some(path) = truth {
-        let (time_s, baseline): (Vec<f64>, Vec<[f64; 3]>) = what_is_true.into_iter().unzip();
-        let keys = serde_json::json!({"components": plan.components, "unix_s": time_s, "baseline": baseline});
-        pipe::write(Some(path), &common::to_text(&keys))?;
-    }
-    pipe::write(io.output.as_deref(), &text)?;
+    let Observatory { mut document, truth: known } = simulate::observatory(&plan).map_err(located)?;
+    document.history.push(entry("observatory", plan.seed, at.arguments(), input.sha256()));
+    let (time_s, baseline): (Vec<f64>, Vec<[f64; 3]>) = known.into_iter().unzip();
+    let known = serde_json::json!({"components": plan.components, "unix_s": time_s, "baseline": baseline});
     let sets = counted(document.recordings.len() - 1, "measurement");
-    say(io, &format!("{sets} in {}, seed {}", counted(plan.weeks, "week"), plan.seed));
-    Ok(())
+    let words = format!("{sets} in {}, seed {}", counted(plan.weeks, "week"), plan.seed);
+    write(io, document, false, truth.as_deref(), &common::to_text(&known), &words)
 }
 
 fn flight(args: &FlightArgs) -> anyhow::Result<()> {
     let FlightArgs { io, seed, truth } = args;
-    separate(io, truth.as_deref())?;
-    let input = Input::read(io.file.as_deref())?;
-    let located = |error: Error| input.locate(error);
-    let mut plan = FlightPlan::parse(&input.text).map_err(located)?;
+    let (input, mut plan) = read(io, truth.as_deref(), FlightPlan::parse)?;
     plan.seed = seed.unwrap_or(plan.seed);
-    let MadeFlight { mut document, truth: what_is_true } = simulate::flight(&plan).map_err(located)?;
-    let arguments = vec!["flight".into(), format!("--seed={}", plan.seed)];
-    document.history.push(PROGRAM.entry(arguments, Some(input.sha256())));
-    let rows: usize = document.recordings.iter().map(Recording::rows).sum();
-    let to_file = pipe::named(io.output.as_deref()).is_some();
-    write(io, &mut document, to_file, truth.as_deref(), &common::to_text(&what_is_true))?;
+    let made = simulate::flight(&plan).map_err(|error| input.locate(error))?;
+    let MadeFlight { mut document, truth: known } = made;
+    document.history.push(entry("flight", plan.seed, [], input.sha256()));
     let cameras = counted(plan.cameras.len(), "star camera");
-    say(io, &format!("{}, {cameras}, seed {}", counted(rows, "row"), plan.seed));
-    Ok(())
+    let words = format!("{}, {cameras}, seed {}", rows(&document), plan.seed);
+    let to_file = pipe::named(io.output.as_deref()).is_some();
+    write(io, document, to_file, truth.as_deref(), &common::to_text(&known), &words)
 }
 
 fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
@@ -267,11 +246,9 @@ fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
         .chain(seed.iter().flat_map(|seed| ["--noise".into(), format!("--seed={seed}")]));
     let mut notes = Vec::new();
     let run = |document: Document| {
-        let replayed = simulate::replay(&document, seed);
-        replayed.map(|Replayed { document, notes: said }| {
-            notes = said;
-            document
-        })
+        let Replayed { document, notes: said } = simulate::replay(&document, seed)?;
+        notes = said;
+        Ok(document)
     };
     let words = |document: &Document| {
         format!("simulate: {} predicted", counted(document.recordings.len(), "recording"))
@@ -302,9 +279,8 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
         let Campaign { mut document, truth } = simulate::campaign(&plan)?;
         // No number of the case: what is made by parts, on several machines, is then what is made at once.
         let set = case.set.iter().map(|(path, value)| format!("--set={path}={value}"));
-        let arguments = ["sweep".into(), format!("--seed={}", plan.seed)].into_iter().chain(set).collect();
-        document.history.push(PROGRAM.entry(arguments, Some(sha256.clone())));
-        let truth = if truth_wanted { truth.to_line()? + "\n" } else { String::new() };
+        document.history.push(entry("sweep", plan.seed, set, sha256.clone()));
+        let truth = if truth_wanted { common::to_line(truth.finite()?) + "\n" } else { String::new() };
         Ok((document.to_line()? + "\n", truth))
     };
     let mut written = 0;
@@ -332,26 +308,44 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
+/// A plan, where what is written is not what is read and the truth never goes into the document.
+fn read<P>(io: &Io, truth: Option<&Path>, parse: fn(&str) -> Result<P, Error>) -> Result<(Input, P), Error> {
+    separate(io, truth)?;
+    let input = Input::read(io.file.as_deref())?;
+    let plan = parse(&input.text).map_err(|error| input.locate(error))?;
+    Ok((input, plan))
+}
+
+fn entry(name: &str, seed: u64, more: impl IntoIterator<Item = String>, sha256: String) -> HistoryEntry {
+    let arguments = [name.into(), format!("--seed={seed}")].into_iter().chain(more).collect();
+    PROGRAM.entry(arguments, Some(sha256))
+}
+
+fn rows(document: &Document) -> String {
+    counted(document.recordings.iter().map(Recording::rows).sum(), "row")
+}
+
 /// Writes a document and the truth, its long recordings as tables beside it where that is wanted.
 fn write(
     io: &Io,
-    document: &mut Document,
+    mut document: Document,
     beside: bool,
     truth: Option<&Path>,
-    truth_text: &str,
+    known: &str,
+    words: &str,
 ) -> anyhow::Result<()> {
     let long = document.recordings.iter_mut().filter(|one| beside && one.rows() > INLINE_ROWS);
     let tables: Vec<Table> = long.map(|one| Table::of(one, beside::file_name(&one.id))).collect();
     // What is refused is refused before a file is written.
     let text = document.to_text()?;
     if let Some(path) = truth {
-        pipe::write(Some(path), truth_text)?;
+        pipe::write(Some(path), known)?;
     }
     beside::write(io.output.as_deref(), &text, &tables)?;
+    say(io, words);
     Ok(())
 }
 
-/// What is written is not what is read, and the truth never goes into the document.
 fn separate(io: &Io, truth: Option<&Path>) -> Result<(), Error> {
     io.apart([])?;
     apart::check(truth, io.file.as_deref())?;

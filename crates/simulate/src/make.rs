@@ -1,6 +1,6 @@
 //! From what is set to what is read: the chain, the world around, noise and codes.
 
-use common::{Axis, Column, Document, Error, Noise, Recording, procedure};
+use common::{Axis, Column, Document, Error, Noise, PerAxis, Recording, procedure};
 use nalgebra::Vector3;
 use noise::NoiseError;
 use physics::{Basic, Context, EffectInstance, Kind, Prediction, References, Unit};
@@ -17,25 +17,18 @@ use crate::truth::{Electrical, Wander};
 /// What is true for all recordings.
 pub struct World<'a> {
     pub plan: &'a Plan,
-    /// What is true of facility and calibration; its recordings without columns.
-    pub document: &'a Document,
-    /// The true chain.
-    pub basic: &'a Basic,
-    /// The effects that act.
-    pub effects: &'a [EffectInstance],
+    /// What is true of facility and calibration, exact; its recordings without columns.
+    pub document: Document,
+    pub basic: Basic,
+    pub effects: Vec<EffectInstance>,
     /// Unit of the readings.
     pub unit: Unit,
     pub references: References,
-    /// Field left in the coils, GEO.
-    pub residual_field_nt: Vector3<f64>,
-    /// Field left in the shield, SEN.
-    pub shield_field_nt: Vector3<f64>,
-    pub electrical: Option<&'a Electrical>,
+    pub electrical: Option<Electrical>,
     /// What is added to the offset, nT, by recording.
     pub wander: HashMap<String, f64>,
 }
 
-/// Columns by name.
 type Read = Vec<(String, Vec<f64>)>;
 
 impl World<'_> {
@@ -76,11 +69,10 @@ impl World<'_> {
                 insert(&mut set, station.map(outside_columns).unwrap_or_default());
             }
         }
-        if let Reads::Aboard(aboard) = reads {
-            let context = Context::new(self.document, &set, self.references);
+        if let Reads::Aboard { known, .. } = reads {
+            let context = Context::new(&self.document, &set, self.references);
             let attitude = context.map_err(|error| advise(error, path))?.attitude;
-            aboard::write(&mut set, aboard.known_field.as_ref(), &attitude, self.plan.seed)
-                .map_err(failed)?;
+            aboard::write(&mut set, known.as_deref(), &attitude, self.plan.seed).map_err(failed)?;
         }
         insert(&mut set, read);
         self.write_voltages(&mut set)?;
@@ -113,13 +105,14 @@ impl World<'_> {
     ) -> Result<Read, Error> {
         let Planned { path, surroundings, reads, .. } = &written.planned;
         let mut context =
-            Context::new(self.document, set, self.references).map_err(|error| advise(error, path))?;
+            Context::new(&self.document, set, self.references).map_err(|error| advise(error, path))?;
         context.unit = self.unit;
         match surroundings {
             // In the natural field, without coils, there is only what the recording says.
             Surroundings::Coils if !context.in_coils => {}
             Surroundings::Coils => {
-                context.ambient_nt.iter_mut().for_each(|field| *field += self.residual_field_nt);
+                let residual_nt = vector(self.plan.truth.residual_field_nt.as_ref());
+                context.ambient_nt.iter_mut().for_each(|field| *field += residual_nt);
                 if let (Some(site), Some(moments)) = (&self.plan.truth.site, self.moments(set, written)) {
                     let noise = site.field(&moments).map_err(|error| disorder(error, path))?;
                     context.ambient_nt =
@@ -128,7 +121,8 @@ impl World<'_> {
             }
             Surroundings::Shield => {
                 let position = set.column("position");
-                let of = |row: usize| self.shield_field_nt * position.map_or(1.0, |position| position[row]);
+                let field_nt = vector(self.plan.truth.shield_field_nt.as_ref());
+                let of = |row: usize| field_nt * position.map_or(1.0, |position| position[row]);
                 context.ambient_nt = (0..context.rows).map(of).collect();
             }
             Surroundings::Open => context.ambient_nt = natural.unwrap_or_default().to_vec(),
@@ -137,21 +131,19 @@ impl World<'_> {
             Reads::Sensors(sensors) => self.read_sensors(sensors, context, &written.planned),
             Reads::Scalar => self.read_scalar(&context, path),
             Reads::Differential => self.read_differential(context, path),
-            Reads::Aboard(aboard) => {
-                let mut read = if aboard.scalar { self.read_scalar(&context, path)? } else { Read::new() };
-                read.extend(self.read_sensors(&aboard.sensors, context, &written.planned)?);
+            Reads::Aboard { sensors, scalar, .. } => {
+                let mut read = if *scalar { self.read_scalar(&context, path)? } else { Read::new() };
+                read.extend(self.read_sensors(sensors, context, &written.planned)?);
                 Ok(read)
             }
         }
     }
 
-    /// What the chain predicts.
     fn predict(&self, basic: &Basic, context: &Context<'_>, path: &str) -> Result<Prediction, Error> {
         let effects = self.effects_in(context.recording);
         physics::predict(basic, &effects, context).map_err(|error| advise(error, path))
     }
 
-    /// Noise of a channel of a recording.
     fn noise(
         &self,
         noise: &Noise,
@@ -199,7 +191,7 @@ impl World<'_> {
                 noise[sensor.index()] = error - wandered;
             }
         }
-        let readings = self.predict(self.basic, &context, &planned.path)?.readings;
+        let readings = self.predict(&self.basic, &context, &planned.path)?.readings;
         read.par_iter_mut().zip(sensors).for_each(|((_, column), sensor)| {
             column.iter_mut().zip(&readings).for_each(|(value, reading)| *value = reading[sensor.index()]);
             noise::quantise(column, width.unwrap_or(0.0) / planned.amplification);
@@ -208,7 +200,7 @@ impl World<'_> {
     }
 
     fn read_scalar(&self, context: &Context<'_>, path: &str) -> Result<Read, Error> {
-        let field = self.predict(self.basic, context, path)?.field_geo;
+        let field = self.predict(&self.basic, context, path)?.field_geo;
         let std = self.plan.facility.as_ref().and_then(|facility| facility.reference_std_nt);
         let declared = Noise { white_rms_nt: std, ..Noise::default() };
         let column = self.noise(&declared, context, "reference_nt", None);
@@ -245,7 +237,7 @@ impl World<'_> {
         context.reference_nt = Some(reference.clone());
         context.noise_nt = noise(&context, "test")?;
         let mut all = vec![noisy(&context, "reference", reference)?];
-        let test = self.predict(&Basic::differential(self.document), &context, path)?.readings;
+        let test = self.predict(&Basic::differential(&self.document), &context, path)?.readings;
         all.push(("test".into(), test));
         if let Some(third) = &truth.third {
             let (matrix, offset) = (third.axes.matrix(), Vector3::from(third.offset_nt));
@@ -276,7 +268,8 @@ impl World<'_> {
 
     /// Currents as the voltmeter reads them.
     fn write_voltages(&self, read: &mut Recording) -> Result<(), Error> {
-        let Some(electrical) = self.electrical.filter(|_| read.procedure != procedure::FREE_RUN) else {
+        let Some(electrical) = self.electrical.as_ref().filter(|_| read.procedure != procedure::FREE_RUN)
+        else {
             return Ok(());
         };
         let columns = std::mem::take(&mut read.columns);
@@ -352,4 +345,9 @@ fn insert(recording: &mut Recording, columns: Read) {
 
 fn outside_columns(columns: [Vec<f64>; 3]) -> Read {
     Axis::ALL.into_iter().zip(columns).map(|(axis, column)| (format!("outside_{axis}_nt"), column)).collect()
+}
+
+/// A field along x, y and z; zero where it is not stated.
+pub fn vector(field: Option<&PerAxis<f64>>) -> Vector3<f64> {
+    Vector3::from(Axis::ALL.map(|axis| field.and_then(|field| field.get(axis)).copied().unwrap_or(0.0)))
 }

@@ -5,13 +5,14 @@ mod sheet;
 
 use common::number::bare;
 use common::time::Start;
-use common::{Column, Conditions, Document, Error, Quantity, Recording, Versioned, parse, procedure};
+use common::{Conditions, Document, Error, Recording, Versioned, parse, procedure};
 use noise::Stream;
 use physics::Components;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
 use crate::bench::{MOST_ROWS, deviation};
+use crate::planned::columns;
 use field::Field;
 
 /// What an observatory does in a number of weeks. All of it has defaults.
@@ -168,48 +169,33 @@ impl Versioned for ObservatoryPlan {
 }
 
 impl ObservatoryPlan {
-    /// Reads a plan.
-    ///
-    /// # Errors
-    ///
-    /// As of every document; values that cannot be.
+    /// Reads a plan. Errors: as of every document; values that cannot be.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let plan: Self = parse(text)?;
-        let wrong = |path: &str, found: String, expected: &str| Err(Error::document(path, found, expected));
-        let Some(start) = Start::parse(&plan.start) else {
-            return wrong("start", format!("\"{}\"", plan.start), "a moment such as 2025-01-06T00:00:00Z");
+        let check = |holds: bool, path: &str, found: String, expected: &str| {
+            if holds { Ok(()) } else { Err(Error::document(path, found, expected)) }
         };
-        if start.unix_s.rem_euclid(86_400.0) != 0.0 {
-            return wrong("start", format!("\"{}\"", plan.start), "midnight in UTC");
-        }
-        if Components::of(&plan.components).is_none() {
-            return wrong("components", format!("\"{}\"", plan.components), "\"hez\" or \"xyz\"");
-        }
-        if !["null", "residual"].contains(&plan.method.as_str()) {
-            return wrong("method", format!("\"{}\"", plan.method), "\"null\" or \"residual\"");
-        }
-        if plan.weeks == 0 || plan.weeks > 1_000 {
-            return wrong("weeks", plan.weeks.to_string(), "1 to 1000");
-        }
-        let hours = 2.0 * plan.variometer_hours.unwrap_or(24.0);
-        if hours.is_nan() || hours * 3600.0 < SET_S * (plan.sets_a_week as f64 + 0.5) {
-            return wrong(
-                "variometer_hours",
-                (0.5 * hours).to_string(),
-                "hours on either side of noon that cover the measurements, half an hour each",
-            );
-        }
-        if plan.sets_a_week > 20 {
-            return wrong("sets_a_week", plan.sets_a_week.to_string(), "at most 20, half an hour each");
-        }
-        if !(1.0..=60.0).contains(&plan.variometer_step_s) {
-            return wrong("variometer_step_s", plan.variometer_step_s.to_string(), "1 to 60 s");
-        }
+        let quoted = |text: &str| format!("\"{text}\"");
+        let start = Start::parse(&plan.start);
+        check(start.is_some(), "start", quoted(&plan.start), "a moment such as 2025-01-06T00:00:00Z")?;
+        let is_midnight = start.is_some_and(|start| start.unix_s.rem_euclid(DAY_S) == 0.0);
+        check(is_midnight, "start", quoted(&plan.start), "midnight in UTC")?;
+        let along = Components::of(&plan.components);
+        check(along.is_some(), "components", quoted(&plan.components), "\"hez\" or \"xyz\"")?;
+        let is_method = ["null", "residual"].contains(&plan.method.as_str());
+        check(is_method, "method", quoted(&plan.method), "\"null\" or \"residual\"")?;
+        check((1..=1000).contains(&plan.weeks), "weeks", plan.weeks.to_string(), "1 to 1000")?;
+        let hours = plan.variometer_hours.unwrap_or(24.0);
+        let covered = 2.0 * hours * 3600.0 >= SET_S * (plan.sets_a_week as f64 + 0.5);
+        let expected = "hours on either side of noon that cover the measurements, half an hour each";
+        check(covered, "variometer_hours", hours.to_string(), expected)?;
+        let sets = plan.sets_a_week;
+        check(sets <= 20, "sets_a_week", sets.to_string(), "at most 20, half an hour each")?;
+        let step_s = plan.variometer_step_s;
+        check((1.0..=60.0).contains(&step_s), "variometer_step_s", step_s.to_string(), "1 to 60 s")?;
         let rows = (plan.weeks as f64) * plan.rows_a_week();
-        if rows > MOST_ROWS {
-            let found = format!("{} rows of the variometer", bare(rows));
-            return wrong("variometer_step_s", found, &format!("at most {}", bare(MOST_ROWS)));
-        }
+        let found = format!("{} rows of the variometer", bare(rows));
+        check(rows <= MOST_ROWS, "variometer_step_s", found, &format!("at most {}", bare(MOST_ROWS)))?;
         let Self { theodolite: of, baseline, .. } = &plan;
         for (key, value) in [
             ("circle_arcsec", of.circle_arcsec),
@@ -233,21 +219,13 @@ impl ObservatoryPlan {
             deviation("baseline", key, value)?;
         }
         for (key, share) in [("magnetic_share", of.magnetic_share), ("misread_share", of.misread_share)] {
-            if !(0.0..=1.0).contains(&share) {
-                return wrong(&format!("theodolite.{key}"), share.to_string(), "a share from 0 to 1");
-            }
+            let is_share = (0.0..=1.0).contains(&share);
+            check(is_share, &format!("theodolite.{key}"), share.to_string(), "a share from 0 to 1")?;
         }
-        let horizontal = plan.main_field_nt[0].hypot(plan.main_field_nt[1]);
-        if !(100.0..=1e5).contains(&horizontal)
-            || plan.main_field_nt[0] <= 0.0
-            || plan.main_field_nt[2].abs() > 1e5
-        {
-            return wrong(
-                "main_field_nt",
-                format!("{:?}", plan.main_field_nt),
-                "a field that points north, in nT",
-            );
-        }
+        let [north, east, down] = plan.main_field_nt;
+        let points_north = (100.0..=1e5).contains(&north.hypot(east)) && north > 0.0 && down.abs() <= 1e5;
+        let found = format!("{:?}", plan.main_field_nt);
+        check(points_north, "main_field_nt", found, "a field that points north, in nT")?;
         Ok(plan)
     }
 
@@ -263,11 +241,7 @@ const DAY_S: f64 = 86_400.0;
 /// One measurement takes so long with its pause, s.
 const SET_S: f64 = 1_800.0;
 
-/// Carries out a plan.
-///
-/// # Errors
-///
-/// A plan that [`ObservatoryPlan::parse`] refuses.
+/// Carries out a plan. Errors: a plan that [`ObservatoryPlan::parse`] refuses.
 pub fn observatory(plan: &ObservatoryPlan) -> Result<Observatory, Error> {
     let start_s = Start::parse(&plan.start).map_or(0.0, |start| start.unix_s);
     let field = Field::new(plan);
@@ -290,13 +264,9 @@ pub fn observatory(plan: &ObservatoryPlan) -> Result<Observatory, Error> {
             let name = format!("week-{:03}-{}", week + 1, number + 1);
             let (columns, middle) = observer.set(&field, begin, &name);
             let start = Start { unix_s: start_s + begin, offset_s: 0.0 }.text();
-            let extra = [
-                ("mark_azimuth_deg".to_string(), json!(plan.mark_azimuth_deg)),
-                (
-                    "pillar_difference_nt".to_string(),
-                    json!(Quantity::Bare(plan.theodolite.pillar_difference_nt)),
-                ),
-            ];
+            let pillar = plan.theodolite.pillar_difference_nt;
+            let stated = [("mark_azimuth_deg", plan.mark_azimuth_deg), ("pillar_difference_nt", pillar)];
+            let extra = stated.map(|(name, value)| (name.to_string(), json!(value)));
             document.recordings.push(Recording {
                 id: name,
                 procedure: procedure::ABSOLUTE.into(),
@@ -316,9 +286,9 @@ pub fn observatory(plan: &ObservatoryPlan) -> Result<Observatory, Error> {
 }
 
 fn variometer(plan: &ObservatoryPlan, field: &Field, days: usize) -> Recording {
-    const NAMES: [&str; 6] =
+    let names =
         ["time_s", "sensor_x_nt", "sensor_y_nt", "sensor_z_nt", "reference_nt", "sensor_temperature_c"];
-    let mut columns: [Vec<f64>; 6] = Default::default();
+    let mut rows = Vec::new();
     let steps = (days as f64 * DAY_S / plan.variometer_step_s) as usize;
     let mut stream = Stream::new(plan.seed, "scalar");
     let scalar_off = plan.theodolite.scalar_nt * stream.normal() - plan.theodolite.pillar_difference_nt;
@@ -333,15 +303,9 @@ fn variometer(plan: &ObservatoryPlan, field: &Field, days: usize) -> Recording {
         let scalar = total.norm() + scalar_off + SCALAR_NOISE_NT * stream.normal();
         // Written to a hundredth of a nT, as variometers do.
         let rounded = |value: f64| (value * 100.0).round() / 100.0;
-        let values = [
-            time,
-            rounded(reading.x),
-            rounded(reading.y),
-            rounded(reading.z),
-            rounded(scalar),
-            rounded(field.temperature_c(time)),
-        ];
-        columns.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+        let values = [reading.x, reading.y, reading.z, scalar, field.temperature_c(time)].map(rounded);
+        let [x, y, z, scalar, temperature] = values;
+        rows.push([time, x, y, z, scalar, temperature]);
     }
     let extra = [("components".to_string(), json!(plan.components))];
     Recording {
@@ -349,11 +313,7 @@ fn variometer(plan: &ObservatoryPlan, field: &Field, days: usize) -> Recording {
         procedure: procedure::VARIOMETER.into(),
         start: Some(plan.start.clone()),
         conditions: Conditions { extra: extra.into_iter().collect(), ..Conditions::default() },
-        columns: NAMES
-            .iter()
-            .zip(columns)
-            .map(|(name, values)| ((*name).into(), Column::from(values)))
-            .collect(),
+        columns: columns(names, &rows),
         ..Recording::default()
     }
 }

@@ -24,7 +24,6 @@ pub struct Orbit {
     node: f64,
 }
 
-/// Where a satellite is.
 #[derive(Clone, Copy, Debug)]
 pub struct Place {
     /// Geocentric latitude, rad.
@@ -57,7 +56,6 @@ impl Orbit {
         TAU * time_s / self.period_s()
     }
 
-    /// The place at a time.
     pub fn place(&self, time_s: f64) -> Place {
         let (sin, cos) = self.angle(time_s).sin_cos();
         let (sin_i, cos_i) = self.inclination.sin_cos();

@@ -191,7 +191,6 @@ impl OutsidePlan {
     }
 }
 
-/// The three components.
 pub fn by_axis(field: &[Vector3<f64>]) -> [Vec<f64>; 3] {
     Axis::ALL.map(|axis| field.iter().map(|field| field[axis.index()]).collect())
 }

@@ -3,8 +3,8 @@
 use common::{Axis, Column, Columns, Conditions, Recording};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::aboard::Aboard;
-use crate::timing::Timing;
+use crate::aboard::KnownField;
+use crate::bench::Timing;
 
 /// A recording without its readings.
 pub struct Planned {
@@ -14,16 +14,13 @@ pub struct Planned {
     pub rotation: Matrix3<f64>,
     /// R as the operator sets it.
     pub nominal: Matrix3<f64>,
-    /// JSON path in the plan.
     pub path: String,
     pub reads: Reads,
     pub surroundings: Surroundings,
     /// What a code of the converter is divided by.
     pub amplification: f64,
-    /// Whether the natural field outside is recorded beside.
     pub outside: bool,
     pub begins: Begins,
-    /// What the operator does, step by step.
     pub steps: Vec<Step>,
 }
 
@@ -34,17 +31,19 @@ pub enum Reads {
     Scalar,
     /// The reference and the test magnetometer.
     Differential,
-    /// Sensors aboard a satellite, and what is known beside.
-    Aboard(Box<Aboard>),
+    /// Aboard a satellite: sensors, a scalar magnetometer beside them, and what is written of field and attitude.
+    Aboard {
+        sensors: Vec<Axis>,
+        scalar: bool,
+        known: Option<Box<KnownField>>,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Surroundings {
     /// In the coils, with what nulling leaves.
     Coils,
-    /// In a shield.
     Shield,
-    /// In the natural field.
     Open,
 }
 
@@ -75,7 +74,6 @@ pub struct Step {
 }
 
 impl Step {
-    /// Without drive.
     pub fn still(action: String, wait_s: f64, readings: usize, length_s: f64) -> Self {
         Self { action, current_a: Vector3::zeros(), temperatures_c: None, wait_s, readings, length_s }
     }
@@ -135,6 +133,13 @@ impl Rows {
         columns.extend(self.more.into_iter().map(|(name, column)| (name, Column::from(column))));
         (columns, self.steps)
     }
+}
+
+/// Columns by their names, of rows that have the values in the order of the names.
+pub fn columns<Name: ToString>(names: impl IntoIterator<Item = Name>, rows: &[impl AsRef<[f64]>]) -> Columns {
+    let of =
+        |(at, name): (usize, Name)| (name.to_string(), rows.iter().map(|row| row.as_ref()[at]).collect());
+    names.into_iter().enumerate().map(of).collect()
 }
 
 impl Planned {

@@ -104,7 +104,6 @@ fn words(left_out: &[LeftOut]) -> Vec<String> {
         .collect()
 }
 
-/// New values where there were readings.
 fn fill(column: &mut Column, values: impl Iterator<Item = f64>) {
     column.iter_mut().zip(values).filter(|(old, _)| old.is_finite()).for_each(|(old, new)| *old = new);
 }

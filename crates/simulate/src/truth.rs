@@ -39,24 +39,10 @@ pub struct Truth {
 }
 
 impl Truth {
-    /// As JSON that people read, one key on a line.
-    ///
-    /// # Errors
-    ///
-    /// A number that is not finite, with its path.
-    pub fn to_text(&self) -> Result<String, Error> {
+    /// Itself, where all its numbers are finite. Errors: a number that is not finite, with its path.
+    pub fn finite(&self) -> Result<&Self, Error> {
         common::all_finite("truth", self)?;
-        Ok(common::to_text(self))
-    }
-
-    /// As JSON on one line.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::to_text`].
-    pub fn to_line(&self) -> Result<String, Error> {
-        common::all_finite("truth", self)?;
-        Ok(common::to_line(self))
+        Ok(self)
     }
 }
 

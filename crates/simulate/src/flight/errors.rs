@@ -8,7 +8,6 @@ use std::f64::consts::TAU;
 use super::FlightPlan;
 use super::orbit::{DAY_S, Moment};
 
-/// Waves in a sum.
 const WAVES: usize = 30;
 /// The axis of the Earth's dipole, ITRF: −(g₁¹, h₁¹, g₁⁰) of IGRF-14 in 2025, nT.
 const DIPOLE: Vector3<f64> = Vector3::new(1410.3, -4545.5, 29_350.0);
@@ -44,7 +43,6 @@ impl Waves {
     }
 }
 
-/// Three normal numbers.
 pub fn normal(stream: &mut Stream) -> Vector3<f64> {
     Vector3::from_fn(|_, _| stream.normal())
 }

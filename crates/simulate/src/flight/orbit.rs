@@ -12,7 +12,6 @@ use super::errors::{Waves, uniform};
 use crate::orbit::Orbit;
 
 pub const DAY_S: f64 = 86_400.0;
-/// Equatorial radius of the Earth, m.
 const EQUATOR_M: f64 = 1000.0 * EQUATOR_KM;
 /// Second zonal coefficient of the Earth's gravity (IERS Conventions 2010).
 const J2: f64 = 1.082_635_9e-3;
@@ -48,7 +47,6 @@ pub struct Moment {
 }
 
 impl<'a> Motion<'a> {
-    /// Draws the attitude.
     pub fn new(plan: &'a FlightPlan, start: Start) -> Self {
         let orbit = Orbit::new(plan.height_m / 1000.0, plan.inclination_deg, 0.0);
         let flattening = J2 * (EQUATOR_M / (1000.0 * RADIUS_KM + plan.height_m)).powi(2);
@@ -60,7 +58,6 @@ impl<'a> Motion<'a> {
         Self { plan, start, orbit, node_rate, swings, slews }
     }
 
-    /// The state at a time, s.
     pub fn at(&self, time_s: f64, celestial: &mut Celestial) -> Moment {
         let moment = Start { offset_s: 0.0, ..self.start.after(time_s) };
         let earth = celestial.to_earth(moment.unix_s).expect("a flight is after 1972");

@@ -190,17 +190,12 @@ const MOST_ROWS: f64 = 5e6;
 const MOST_LATE_S: f64 = 60.0;
 
 impl FlightPlan {
-    /// Reads a plan.
-    ///
-    /// # Errors
-    ///
-    /// As of every document; values that cannot be.
+    /// Reads a plan. Errors: as of every document; values that cannot be.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let plan: Self = parse(text)?;
         plan.check().map(|_| plan)
     }
 
-    /// Rows of the recording.
     pub(super) fn rows(&self) -> usize {
         (self.days * 86_400.0 / self.step_s).round() as usize
     }

@@ -32,7 +32,6 @@ pub struct Field {
 }
 
 impl Field {
-    /// Draws what a plan leaves to chance.
     pub fn new(plan: &ObservatoryPlan) -> Self {
         let mut stream = Stream::new(plan.seed, "observatory");
         let mut vector = |std: f64| Vector3::from_fn(|_, _| std * stream.normal());
@@ -81,7 +80,6 @@ impl Field {
         self.main + daily + short.sum::<Vector3<f64>>()
     }
 
-    /// Temperature of the variometer, degC.
     pub fn temperature_c(&self, time: f64) -> f64 {
         let [mean, annual] = ROOM_C;
         mean + annual * (TAU * time / YEAR_S).sin() + 0.3 * (TAU * time / DAY_S).sin()
@@ -110,7 +108,6 @@ impl Field {
         self.baseline + moved.component_mul(&units)
     }
 
-    /// What the variometer reads, and the field.
     pub fn read(&self, time: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (total, baseline) = (self.total(time), self.baseline(time));
         (self.components.reading_nt(&total, &baseline), total)

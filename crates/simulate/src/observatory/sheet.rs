@@ -1,6 +1,6 @@
 //! One measurement with a theodolite, as an observer makes it.
 
-use common::{Column, Columns};
+use common::Columns;
 use nalgebra::{Rotation3, Vector3};
 use noise::Stream;
 use physics::frames::ARCSEC;
@@ -9,6 +9,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::ObservatoryPlan;
 use super::field::Field;
+use crate::planned::columns;
 
 /// From one position to the next, s.
 const POSITION_S: f64 = 100.0;
@@ -19,7 +20,6 @@ const NEAR: f64 = 5e-5;
 /// Circles are read to this, degrees.
 const RESOLUTION_DEG: f64 = 1.0 / 3600.0;
 
-/// The observer with the instrument.
 pub struct Observer<'a> {
     plan: &'a ObservatoryPlan,
     mounting: Mounting,
@@ -39,7 +39,6 @@ const POSITIONS: [(f64, bool, bool); 8] = [
 ];
 
 impl<'a> Observer<'a> {
-    /// Draws the errors of the instrument.
     pub fn new(plan: &'a ObservatoryPlan) -> Self {
         let of = &plan.theodolite;
         let mut stream = Stream::new(plan.seed, "theodolite");
@@ -111,12 +110,9 @@ impl<'a> Observer<'a> {
                     }
                 }
                 let near = if self.plan.method == "residual" { normal(NEAR) } else { 0.0 };
-                let error = ARCSEC * normal(of.circle_arcsec)
-                    + if misread == Some(position) && again == 0.0 {
-                        60.0 * ARCSEC * of.misread_arcmin
-                    } else {
-                        0.0
-                    };
+                let is_misread = misread == Some(position) && again == 0.0;
+                let wrong = if is_misread { 60.0 * ARCSEC * of.misread_arcmin } else { 0.0 };
+                let error = ARCSEC * normal(of.circle_arcsec) + wrong;
                 let (a, v) = if level { (a + near, v) } else { (a, v + near) };
                 let reading = sighting(&felt, a, v, &mounting).reading_nt + normal(of.residual_nt);
                 let residual =
@@ -130,11 +126,6 @@ impl<'a> Observer<'a> {
         }
         marks(&mut rows, POSITION_S * 10.0, &mut normal);
         let names = ["time_s", "horizontal_deg", "vertical_deg", "residual_nt", "direction_deg"];
-        let columns: Columns = (names.iter().enumerate())
-            .map(|(k, name)| {
-                ((*name).to_string(), Column::from(rows.iter().map(|row| row[k]).collect::<Vec<f64>>()))
-            })
-            .collect();
-        (columns, begin + sum / count)
+        (columns(names, &rows), begin + sum / count)
     }
 }

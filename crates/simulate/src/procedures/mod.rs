@@ -2,10 +2,7 @@
 
 mod axes;
 mod coil;
-mod cross_field;
-mod differential;
 mod free_run;
-mod orbit;
 mod reversal;
 mod sensitivity;
 mod series;
@@ -13,13 +10,10 @@ mod temperature;
 
 pub use axes::{AcDrive, AxesProcedure, Drive, Orientations};
 pub use coil::{CoilConstantProcedure, CoilGradientProcedure};
-pub use cross_field::CrossFieldProcedure;
-pub use differential::DifferentialProcedure;
-pub use free_run::FreeRun;
-pub use orbit::{OrbitProcedure, OrbitTemperature};
+pub use free_run::{FreeRun, OrbitProcedure, OrbitTemperature};
 pub use reversal::{DriftProcedure, ReversalProcedure};
-pub use sensitivity::SensitivityProcedure;
-pub use series::{NoiseProcedure, NoiseSeries, NullingProcedure, NullingSeries};
+pub use sensitivity::{CrossFieldProcedure, SensitivityProcedure};
+pub use series::{DifferentialProcedure, NoiseProcedure, NoiseSeries, NullingProcedure, NullingSeries};
 pub use temperature::TemperatureProcedure;
 
 use common::Error;

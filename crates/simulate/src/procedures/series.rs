@@ -1,8 +1,9 @@
 use common::number::{bare, duration};
 use common::{Axis, Conditions, Error, procedure};
+use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
-use super::{Sequence, whole};
+use super::{MONTH_S, Sequence, whole};
 use crate::bench::{Bench, filled, positive, samples};
 use crate::outside::Site;
 use crate::planned::{Begins, Planned, Reads, Rows, Surroundings};
@@ -50,16 +51,28 @@ fn nulling_report() -> Vec<NullingSeries> {
         .to_vec()
 }
 
+/// Samples of several series in all; `of` gives the two numbers of one, which are positive, and its samples.
+fn in_all<Series>(
+    path: &str,
+    all: &[Series],
+    of: impl Fn(&Series) -> ([(&str, f64); 2], f64),
+) -> Result<f64, Error> {
+    filled(path, "series", all, "at least one entry")?;
+    let mut rows = 0.0;
+    for (index, series) in all.iter().enumerate() {
+        let (path, (numbers, count)) = (format!("{path}.series[{index}]"), of(series));
+        positive(&path, numbers)?;
+        rows += samples(&path, count, 2.0)?;
+    }
+    Ok(rows)
+}
+
 impl Sequence for NullingProcedure {
     fn rows(&self, _: &Bench<'_>, path: &str) -> Result<f64, Error> {
         filled(path, "sites", &self.sites, "at least one entry")?;
-        filled(path, "series", &self.series, "at least one entry")?;
-        let mut rows = 0.0;
-        for (index, series) in self.series.iter().enumerate() {
-            let path = format!("{path}.series[{index}]");
-            positive(&path, [("length_s", series.length_s), ("rate_hz", series.rate_hz)])?;
-            rows += samples(&path, series.length_s * series.rate_hz, 2.0)?;
-        }
+        let rows = in_all(path, &self.series, |NullingSeries { length_s, rate_hz }| {
+            ([("length_s", *length_s), ("rate_hz", *rate_hz)], length_s * rate_hz)
+        })?;
         Ok(rows * self.sites.len() as f64)
     }
 
@@ -74,7 +87,7 @@ impl Sequence for NullingProcedure {
                 let (length, rate) = (duration(series.length_s), bare(series.rate_hz));
                 let action = format!("record {length} at {rate} Hz, {}", site.name());
                 let step = bench.record(action, series.length_s, 1.0 / series.rate_hz);
-                rows.series(step, 1.0 / series.rate_hz, |_| nalgebra::Vector3::zeros());
+                rows.series(step, 1.0 / series.rate_hz, |_| Vector3::zeros());
                 let mut conditions = Conditions::default();
                 conditions.extra.insert("site".into(), site.name().into());
                 let id = format!("{}-{}-{}", self.id, site.name(), number + 1);
@@ -129,14 +142,9 @@ fn noise_report() -> Vec<NoiseSeries> {
 impl Sequence for NoiseProcedure {
     fn rows(&self, _: &Bench<'_>, path: &str) -> Result<f64, Error> {
         positive(path, [("amplification", self.amplification)])?;
-        filled(path, "series", &self.series, "at least one entry")?;
-        let mut rows = 0.0;
-        for (index, series) in self.series.iter().enumerate() {
-            let path = format!("{path}.series[{index}]");
-            positive(&path, [("length_s", series.length_s), ("step_s", series.step_s)])?;
-            rows += samples(&path, series.length_s / series.step_s, 2.0)?;
-        }
-        Ok(rows)
+        in_all(path, &self.series, |NoiseSeries { length_s, step_s }| {
+            ([("length_s", *length_s), ("step_s", *step_s)], length_s / step_s)
+        })
     }
 
     fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
@@ -145,7 +153,7 @@ impl Sequence for NoiseProcedure {
             let mut rows = Rows::new("sensors into the shield", bench.timing.orientation_s);
             let action = format!("record {} s at {} s", series.length_s, series.step_s);
             let step = bench.record(action, series.length_s, series.step_s);
-            rows.series(step, series.step_s, |_| nalgebra::Vector3::zeros());
+            rows.series(step, series.step_s, |_| Vector3::zeros());
             let id = format!("{}-{}", self.id, number + 1);
             Planned {
                 reads: Reads::Sensors(sensors.clone()),
@@ -155,5 +163,48 @@ impl Sequence for NoiseProcedure {
             }
         };
         Ok(self.series.iter().enumerate().map(of).collect())
+    }
+}
+
+/// A reference and a test magnetometer side by side in the natural field: a month at one sample a minute.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct DifferentialProcedure {
+    /// The recording's id.
+    pub id: String,
+    /// Length, s.
+    #[serde(default = "whole::<MONTH_S>")]
+    pub length_s: f64,
+    /// From one sample to the next, s.
+    #[serde(default = "whole::<60>")]
+    pub step_s: f64,
+}
+
+impl Sequence for DifferentialProcedure {
+    fn rows(&self, bench: &Bench<'_>, path: &str) -> Result<f64, Error> {
+        positive(path, [("length_s", self.length_s), ("step_s", self.step_s)])?;
+        if bench.outside.is_none() {
+            let expected = "the natural field that both magnetometers see: main_field_nt and its variations";
+            return Err(Error::document("truth.outside", "no such key", expected));
+        }
+        if bench.differential.is_none() {
+            let expected = "the axes and scales of the two magnetometers";
+            return Err(Error::document("truth.differential", "no such key", expected));
+        }
+        samples(path, self.length_s / self.step_s, 5.0)
+    }
+
+    fn plan(&self, bench: &Bench<'_>, path: &str) -> Result<Vec<Planned>, Error> {
+        let mut rows = Rows::new("both magnetometers on their pillars", bench.timing.orientation_s);
+        let action = format!("record {} at {} s", duration(self.length_s), bare(self.step_s));
+        let step = bench.record(action, self.length_s, self.step_s);
+        rows.series(step, self.step_s, |_| Vector3::zeros());
+        let (id, kind) = (self.id.clone(), procedure::DIFFERENTIAL);
+        Ok(vec![Planned {
+            reads: Reads::Differential,
+            surroundings: Surroundings::Open,
+            ..Planned::new(kind, id, path, Conditions::default(), rows, &[])
+        }])
     }
 }

@@ -215,26 +215,5 @@ truth.model = {"effects": [{"effect": "offset_temperature", "sensor": "x", "para
 
 #[test]
 fn faulty_plans_are_refused_with_their_place() {
-    let mut faulty = plan();
-    let mut told = 0;
-    for line in FAULTS.trim().lines() {
-        let Some(message) = line.strip_prefix("    ") else {
-            let (path, value) = line.split_once(" = ").expect("a path and a value");
-            let place = path.split('.').fold(&mut faulty, |place, key| match key.parse::<usize>() {
-                Ok(index) => &mut place[index],
-                Err(_) => &mut place[key],
-            });
-            *place = serde_json::from_str(value).expect("JSON");
-            continue;
-        };
-        let folder = tempfile::tempdir().expect("a folder");
-        let file = |name: &str| folder.path().join(name).to_str().expect("UTF-8").to_string();
-        let arguments = ["campaign", "--truth", &file("truth.json"), "-o", &file("document.json")];
-        let run = testkit::run(SIMULATE, &arguments, &faulty.to_string());
-        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{message}");
-        assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0, "{message}");
-        assert!(run.stderr.contains(message), "{}\nwhere this is expected:\n{message}", run.stderr);
-        (faulty, told) = (plan(), told + 1);
-    }
-    assert_eq!(told, 33);
+    assert_eq!(crate::build::refused("campaign", &plan(), FAULTS), 33);
 }

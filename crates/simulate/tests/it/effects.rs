@@ -16,10 +16,7 @@ fn the_page_is_what_the_catalogue_says() {
         fs::write(&page, &run.stdout).expect("written");
     }
     let committed = fs::read_to_string(&page).expect("docs/effects.md");
-    assert!(
-        committed == run.stdout,
-        "the catalogue has changed: run with BLESS=1, read the difference, commit it"
-    );
+    assert!(committed == run.stdout, "the catalogue has changed: run with BLESS=1, read it, commit it");
 }
 
 #[test]
@@ -41,11 +38,8 @@ fn json_holds_every_effect_with_its_ranges() {
 #[test]
 fn one_effect_or_a_name_that_is_none() {
     let run = testkit::run(SIMULATE, &["effects", "perming"], "");
-    assert!(
-        run.stdout.starts_with("own_field\n  perming: offset steps after a large field\n"),
-        "{}",
-        run.stdout
-    );
+    let begins = "own_field\n  perming: offset steps after a large field\n";
+    assert!(run.stdout.starts_with(begins), "{}", run.stdout);
     let run = testkit::run(SIMULATE, &["effects", "gremlins"], "");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
     assert!(run.stderr.contains("there is no effect \"gremlins\"; expected one of quadratic_nonlinearity"));

@@ -5,7 +5,6 @@ mod campaign;
 mod effects;
 mod flight;
 mod golden;
-mod help;
 mod laws;
 mod procedures;
 mod reference;

@@ -3,6 +3,7 @@
 use common::{Axis, Column, Document, Noise, Recording, procedure};
 use nalgebra::{Matrix3, Quaternion, UnitQuaternion, Vector3};
 use simulate::{Campaign, KnownField, OrbitProcedure, Plan, Procedure, Truth};
+use std::sync::LazyLock;
 
 use crate::build::{axes, plan, quiet};
 
@@ -18,7 +19,8 @@ fn simulated(plan: &Plan) -> Campaign {
 }
 
 fn magsat() -> Campaign {
-    simulated(&exact("magsat"))
+    static MAGSAT: LazyLock<Campaign> = LazyLock::new(|| simulated(&exact("magsat")));
+    MAGSAT.clone()
 }
 
 fn of<'a>(document: &'a Document, id: &str) -> &'a Recording {
@@ -91,11 +93,11 @@ fn gradients_every_six_inches_over_three_feet() {
 #[test]
 fn nulling_in_four_conditions_at_three_rates() {
     let Campaign { document, .. } = magsat();
-    let series: Vec<&Recording> =
-        document.recordings.iter().filter(|r| r.procedure == procedure::NULLING_RESIDUAL).collect();
+    let nulling = |recording: &&Recording| recording.procedure == procedure::NULLING_RESIDUAL;
+    let series = document.recordings.iter().filter(nulling);
     let rates = [(5760, 5.0), (7200, 0.5), (7680, 1.0 / 128.0)];
     let mut sites = Vec::new();
-    for (recording, (rows, step)) in series.iter().zip(rates.iter().cycle()) {
+    for (recording, (rows, step)) in series.zip(rates.iter().cycle()) {
         let time = column(recording, "time_s");
         assert_eq!(time.len(), *rows);
         assert!((time[1] - time[0] - step).abs() < 1e-9);

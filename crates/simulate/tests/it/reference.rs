@@ -1,14 +1,11 @@
 //! Numbers from outside: a campaign of the basic chain and fourteen kinds of effects, recomputed by
 //! fixtures/reference/campaign_scipy.py with SciPy's ODE solver.
 
-use serde_json::Value;
-
 #[test]
 fn scipy_gives_the_same_readings() {
-    let plan: simulate::Plan =
-        simulate::Plan::parse(&testkit::read_fixture("reference/campaign_plan.json")).expect("a plan");
-    let expected: Value =
-        serde_json::from_str(&testkit::read_fixture("reference/campaign_scipy.json")).expect("JSON");
+    let plan = testkit::read_fixture("reference/campaign_plan.json");
+    let plan = simulate::Plan::parse(&plan).expect("a plan");
+    let expected = testkit::reference::reference("campaign_scipy");
     let document = simulate::campaign(&plan).expect("simulated").document;
     let mut worst = 0.0f64;
     let mut readings = 0;

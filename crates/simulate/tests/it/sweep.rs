@@ -69,21 +69,17 @@ fn seeds_and_values_in_every_combination() {
 
 #[test]
 fn a_fault_is_told_before_the_first_line() {
-    let faults = [
-        ("procedures[0].drive_nt=70000", "procedures[0].drive_nt: found 70000 nT on coil x"),
-        ("procedures[3].drive_nt=1", "the plan has no \"[3]\" there"),
-        ("title.text=1", "the plan has no \"text\" there"),
-        ("seed=x", "are no JSON values"),
-    ];
-    for (set, message) in faults {
-        let output = Command::new(SIMULATE)
-            .args(["sweep", &plan("magsat-axes"), "--seeds", "1..3", "--set", set])
-            .output()
-            .expect("it runs");
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{set}: {said}");
-        assert!(said.contains(message), "{set}: {said}");
-    }
+    let faults = r#"
+sweep magsat-axes.json --seeds 1..3 --set procedures[0].drive_nt=70000
+    procedures[0].drive_nt: found 70000 nT on coil x
+sweep magsat-axes.json --seeds 1..3 --set procedures[3].drive_nt=1
+    the plan has no "[3]" there
+sweep magsat-axes.json --seeds 1..3 --set title.text=1
+    the plan has no "text" there
+sweep magsat-axes.json --seeds 1..3 --set seed=x
+    are no JSON values
+"#;
+    assert_eq!(testkit::refusals(SIMULATE, &testkit::fixture("plans"), faults), 4);
 }
 
 /// A program that is ended while it writes leaves nothing behind, and what was there before as it was.
