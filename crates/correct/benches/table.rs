@@ -1,7 +1,7 @@
 //! `correct` on a long table, against reading and writing its result alone. `FLUXCAL_ROWS` says how long.
 
 use common::Document;
-use correct::{Frame, Request, correct_table};
+use correct::{Request, correct_table};
 use std::path::Path;
 use std::time::Instant;
 use tables::{Reader, Writer};
