@@ -23,11 +23,9 @@ struct DepartureKind {
     parameter: &'static str,
     /// Its column, by a reading and its time from the middle of the run.
     column: fn(&Reading, f64) -> f64,
-    /// Whether it can only add to the magnitude.
     adds: bool,
 }
 
-/// All that are looked for.
 static ALL: [DepartureKind; 7] = [
     // c I²: a curvature, opposite in the two ranges.
     kind("quadratic", "curvature_nt_per_a2", |reading, _| reading.current_a * reading.current_a),
@@ -68,13 +66,10 @@ pub struct Run<'a> {
     pub declared: Option<f64>,
 }
 
-/// The line with what it leaves out.
 pub struct Found {
     /// Offset, constant, and the departures that were found.
     pub fit: LinearFit,
-    /// Their names, in the order of the fit.
     pub names: Vec<&'static str>,
-    /// All that were looked for.
     pub departures: Vec<Departure>,
     /// Names of those that explain the readings about as well as the first.
     pub rivals: Vec<String>,
@@ -137,8 +132,7 @@ impl Run<'_> {
         Ok(all)
     }
 
-    /// Fits the line, then one departure after the other, the most significant first, as long as the line
-    /// with it leaves another one.
+    /// Fits the line, then departures, the most significant first, as long as another one is left.
     pub fn search(&self) -> Result<Found> {
         let (mut kinds, mut fit) = (Vec::new(), self.fit(&[])?);
         let (mut departures, mut rivals) = (Vec::new(), Vec::new());

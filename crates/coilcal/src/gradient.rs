@@ -15,7 +15,6 @@ const SAME_PLACE_M: f64 = 1e-6;
 /// Powers of the position beside the constant.
 const POWERS: [i32; 3] = [1, 2, 4];
 
-/// All surveys of a coil in the document's order.
 pub fn surveys(document: &Document, coil: Axis, off_centre_m: f64) -> Result<Vec<CoilSurvey>> {
     let mut found = Vec::new();
     for (index, recording) in document.recordings.iter().enumerate() {

@@ -1,5 +1,4 @@
-//! The coil facility itself: the constant of each coil and its gradient, from a scalar magnetometer (NASA,
-//! "Calibration of Test Facility").
+//! Constant and gradient of each coil, from a scalar magnetometer (NASA, "Calibration of Test Facility").
 //!
 //! B = k I + B0 along the coil's axis. A scalar magnetometer reads |B|; the sign is that of the current.
 //! Uncertainties from scatter (type A) and from resistor and voltmeter (type B, common to all points) are
@@ -16,22 +15,33 @@ mod words;
 pub use common::Error;
 pub use words::summary;
 
+use clap::Args;
 use common::{Axis, Document, Uncertainty, procedure};
+use program::number;
 
 type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// What is asked of coilcal.
+#[derive(Args, Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Distance off the centre for which the field error is stated, m.
+    /// Distance from a coil's centre at which the field error is stated, m
+    #[arg(long, value_name = "M", default_value_t = 0.05, value_parser = number::not_negative)]
     pub off_centre_m: f64,
-    /// Nyquist frequency of the instrument that will measure in the coils, Hz.
+    /// Nyquist frequency of the instrument that will measure in the coils, Hz
+    #[arg(long, value_name = "HZ", default_value_t = 50.0, value_parser = number::positive)]
     pub nyquist_hz: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self { off_centre_m: 0.05, nyquist_hz: 50.0 }
+    }
+}
+
+impl Options {
+    /// What the history records of the request.
+    pub fn arguments(&self) -> Vec<String> {
+        vec![format!("--off-centre-m={}", self.off_centre_m), format!("--nyquist-hz={}", self.nyquist_hz)]
     }
 }
 
@@ -42,9 +52,8 @@ pub const PROCEDURES: [&str; 3] =
 /// Where no recording is for this stage.
 const NOTHING: &str = "no recording with the procedure `coil_constant`, `coil_gradient` or `nulling_residual`; coilcal needs currents (or voltages across a resistor) with `reference_nt`, or readings in the nulled field";
 
-/// Finds the constants and gradients of the coils that were recorded, and what the nulling leaves, and writes
-/// them to `calibration.coils` and `calibration.nulling`; a coil without a recording keeps what the document
-/// says of it.
+/// Finds constants and gradients of the coils that were recorded (`calibration.coils`; others keep theirs),
+/// and what the nulling leaves (`calibration.nulling`).
 pub fn run(document: Document, options: &Options) -> Result<Document> {
     calibrated(document, options)
         .map_err(|error| error.of_fit(|why| format!("the coil constant could not be fitted: {why}")))

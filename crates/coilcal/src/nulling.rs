@@ -1,6 +1,5 @@
 //! What the nulling leaves, by site condition (NASA, "Test Earth Field Nulling System").
 
-use common::number::counted;
 use common::{
     Axis, Document, ExpectedRms, MergedSpectrum, NullingCalibration, PerAxis, Quantity, Recording,
     SeriesOfSpectrum, SiteSpectra, SpectralLine, procedure, series,
@@ -14,10 +13,8 @@ use crate::{Error, Result};
 
 /// Segments into which a series is cut, before overlapping.
 const SEGMENTS: usize = 8;
-/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one
-/// follows.
+/// A series is in the merged spectrum up to this share of its Nyquist frequency, if a faster one follows.
 const TRUSTED: f64 = 0.8;
-/// Bins of the merged spectrum in a decade.
 const BINS: f64 = 10.0;
 /// Lengths of measurements in the table, s.
 const LENGTHS_S: [f64; 6] = [0.1, 1.0, 10.0, 60.0, 600.0, 3600.0];
@@ -41,8 +38,7 @@ struct Series<'a> {
     band_hz: [f64; 2],
 }
 
-/// The spectra of every condition; None without a recording. `nyquist_hz` is that of the instrument that will
-/// measure.
+/// The spectra of every condition; None without a recording. `nyquist_hz` is the instrument's.
 pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCalibration>> {
     let mut sites: IndexMap<String, Vec<(usize, &Recording)>> = IndexMap::new();
     for (index, recording) in document.recordings.iter().enumerate() {
@@ -69,7 +65,6 @@ pub fn residual(document: &Document, nyquist_hz: f64) -> Result<Option<NullingCa
     Ok((!found.sites.is_empty()).then_some(found))
 }
 
-/// The spectra of a series, in nT.
 fn read<'a>(document: &Document, recording: &'a Recording, index: usize) -> Result<Series<'a>> {
     let path = format!("recordings[{index}].columns");
     let mut spectra = Vec::new();
@@ -106,15 +101,9 @@ fn field(document: &Document, recording: &Recording, axis: Axis, path: &str) -> 
         }
     };
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), column) else {
-        let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
-        return Err(Error::document(format!("{path}.time_s"), "no such times", expected));
+        return Err(Error::document(format!("{path}.time_s"), "no such times", series::EVEN_TIMES));
     };
-    let rows = even.column.len();
-    let filled = series::filled(even.column).map_err(|missing| {
-        let found = format!("{missing} of {} missing", counted(rows, "reading"));
-        let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
-        Error::document(format!("{path}.sensor_{axis}"), found, expected)
-    })?;
+    let filled = series::filled(even.column, &format!("{path}.sensor_{axis}"))?;
     Ok(Some(Evened { column: filled.into_iter().map(|value| value * scale).collect(), ..even }))
 }
 
@@ -227,8 +216,7 @@ fn expected(series: &[Series<'_>], length_s: f64, nyquist_hz: f64) -> Option<Exp
     Some(ExpectedRms { length_s, band_hz: [low, high], rms_nt })
 }
 
-/// Peaks that stand out of what is beside them more than chance allows, for all frequencies of the series
-/// together.
+/// Peaks above what is beside them by more than chance allows over all frequencies of the series.
 fn lines(series: &Series<'_>, axis: Axis, spectrum: &Spectrum) -> Vec<SpectralLine> {
     let (frequency, density) = (&spectrum.frequency_hz, &spectrum.density);
     let last = density.len() - 1;
@@ -281,8 +269,7 @@ fn power_law(points: &[(f64, f64)]) -> Box<dyn Fn(f64) -> f64> {
     Box::new(move |at| y + slope * (at - x))
 }
 
-/// Mains with its harmonics and railway power, where the frequency or its alias at this rate is within a
-/// frequency step.
+/// Mains with its harmonics and railway power, where the frequency or its alias is within a step.
 fn name(frequency_hz: f64, step_hz: f64, rate_hz: f64) -> Option<String> {
     let mains = [50.0, 60.0].into_iter().flat_map(|hz| {
         (1..=5).map(move |multiple| {

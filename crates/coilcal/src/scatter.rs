@@ -35,9 +35,8 @@ pub fn levels(readings: &[Reading]) -> Vec<Level> {
     levels
 }
 
-/// Splits levels into visits: readings of one drive that follow each other directly. What wanders slowly, the
-/// site's field for one, is common to a visit.
-pub fn visits(levels: &[Level]) -> Vec<Level> {
+/// Splits levels into visits, readings of one drive that follow each other: what wanders slowly is common.
+fn visits(levels: &[Level]) -> Vec<Level> {
     let of = |level: &Level| {
         let mut members = level.clone();
         members.sort_unstable();
@@ -48,8 +47,7 @@ pub fn visits(levels: &[Level]) -> Vec<Level> {
 
 /// Sum of squares of values about the means of their levels, and its degrees of freedom.
 pub fn within(levels: &[Level], value: impl Fn(usize) -> f64) -> (f64, f64) {
-    let mut sum = 0.0;
-    let mut freedom = 0.0;
+    let (mut sum, mut freedom) = (0.0, 0.0);
     for level in levels {
         let mean = mean(level, &value);
         sum += level.iter().map(|member| (value(*member) - mean).powi(2)).sum::<f64>();
@@ -58,7 +56,6 @@ pub fn within(levels: &[Level], value: impl Fn(usize) -> f64) -> (f64, f64) {
     (sum, freedom)
 }
 
-/// Mean of values over a level.
 pub fn mean(level: &[usize], value: impl Fn(usize) -> f64) -> f64 {
     level.iter().map(|member| value(*member)).sum::<f64>() / level.len() as f64
 }
@@ -67,13 +64,11 @@ pub fn mean(level: &[usize], value: impl Fn(usize) -> f64) -> f64 {
 pub struct Scatter {
     pub std_nt: f64,
     pub freedom: f64,
-    /// Where it comes from, in words.
     pub source: &'static str,
 }
 
 /// Standard deviation of each reading over the common one: 1, or, where the scatter differs between levels
-/// more than chance allows (Bartlett), that of its level, drawn towards the common one by as much as a few
-/// repeats can say.
+/// more than chance allows (Bartlett), that of its level, drawn towards the common one.
 pub fn relative_std(readings: &[Reading], levels: &[Level]) -> Vec<f64> {
     let mut relative = vec![1.0; readings.len()];
     // What the currents differ by within a level is not scatter: the line between the levels takes it off.
@@ -102,9 +97,8 @@ pub fn relative_std(readings: &[Reading], levels: &[Level]) -> Vec<f64> {
     relative
 }
 
-/// The largest scatter about the model: that of the readings, of the visits, whose readings share what
-/// wanders slowly, or of the levels, all of whose visits may err together. As declared where there are no
-/// degrees of freedom.
+/// The largest scatter about the model: of readings, of visits, which share what wanders slowly, or of
+/// levels, whose visits may err together. As declared without degrees of freedom.
 pub fn scatter(levels: &[Level], fit: &LinearFit, declared: Option<f64>) -> Scatter {
     let of = |sum_of_squares: f64, count: usize, source: &'static str| {
         let freedom = count as f64 - fit.rank as f64;
@@ -143,18 +137,4 @@ pub fn lack_of_fit(levels: &[Level], fit: &LinearFit) -> Option<FTest> {
 fn between(groups: &[Level], fit: &LinearFit) -> f64 {
     let residual = |member: usize| fit.standardised[member];
     groups.iter().map(|group| group.len() as f64 * mean(group, residual).powi(2)).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_level_that_is_set_again_is_two_visits() {
-        let reading = |current_a: f64| Reading { current_a, field_nt: 0.0, time_s: 0.0 };
-        let readings: Vec<Reading> = [1.0, 1.0, -1.0, -1.0, 1.0].map(reading).to_vec();
-        let levels = levels(&readings);
-        assert_eq!(levels, [vec![2, 3], vec![0, 1, 4]]);
-        assert_eq!(visits(&levels), [vec![2, 3], vec![0, 1], vec![4]]);
-    }
 }

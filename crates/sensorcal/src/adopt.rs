@@ -74,8 +74,7 @@ pub fn across_matters(calibration: &SensorCalibration) -> bool {
     test.is_some_and(|test| test.p_value < FOUND_BELOW)
 }
 
-/// The effects of fields across; a parameter that was not seen is zero, give or take what the others make
-/// likely.
+/// The effects of fields across; one not seen is zero, give or take what the others make likely.
 fn across(cross: &CrossFieldFit, sensor: Axis, likely: [f64; 2]) -> Vec<AdoptedEffect> {
     let [offset, sensitivity] = effects::KINDS;
     let both = [(offset, &cross.offset, likely[0]), (sensitivity, &cross.sensitivity, likely[1])];

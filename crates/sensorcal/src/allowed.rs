@@ -37,8 +37,7 @@ impl Memory {
     }
 }
 
-/// Noise that is allowed for beside what is known, by its variance over that: white noise, and slow noise
-/// with memory.
+/// Noise allowed for beside the known, by its variance over that: white, and slow with memory.
 #[derive(Clone, Copy)]
 pub struct More {
     pub white: f64,
@@ -92,7 +91,6 @@ impl Root for InOnePass {
     }
 }
 
-/// Covariances that are allowed for.
 #[derive(Clone, Default)]
 pub struct Allowed {
     pub whitenings: Vec<Whitening>,
@@ -160,8 +158,7 @@ impl Allowed {
                     Memory::Walk => walk = Some(slow),
                 }
             }
-            // As in the full matrix, flicker noise has a level, and a walk that is added has none: what is
-            // slower belongs to the offset.
+            // As in the full matrix: flicker noise has a level, a walk that is added has none.
             let each = noises.iter().map(|noise| noise::mean_variance(noise, *rows, time));
             let level = each.sum::<Result<f64, _>>().map_err(undetermined)?;
             noises.extend(walk);
@@ -195,7 +192,6 @@ impl Allowed {
             .unwrap_or(0)
     }
 
-    /// The one that a fit gave most weight.
     pub fn likeliest(&self, fit: &CorrelatedFit) -> Self {
         let best = self.best(fit);
         self.only(|at| at == best)

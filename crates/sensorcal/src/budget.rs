@@ -84,20 +84,14 @@ fn one(
     }
     let together = 2.0 * reading * ko;
     let variance = (all.iter().map(|(_, std)| std * std).sum::<f64>() + together).max(0.0);
-    let worst = all.iter().map(|(_, std)| 2.0 * std).sum();
+    let worst_case_nt = all.iter().map(|(_, std)| 2.0 * std).sum();
     let term = |(term, std_nt): (&str, f64)| {
         let share = std_nt * std_nt / variance;
         BudgetTerm { term: term.into(), std_nt, share }
     };
-    let mut named: Vec<BudgetTerm> = all.into_iter().filter(|(_, std)| *std > 0.0).map(term).collect();
-    named.sort_by(|a, b| b.std_nt.total_cmp(&a.std_nt));
-    ErrorBudget {
-        field_nt: field,
-        warmer_k,
-        standard_nt: variance.sqrt(),
-        worst_case_nt: worst,
-        terms: named,
-    }
+    let mut terms: Vec<BudgetTerm> = all.into_iter().filter(|(_, std)| *std > 0.0).map(term).collect();
+    terms.sort_by(|a, b| b.std_nt.total_cmp(&a.std_nt));
+    ErrorBudget { field_nt: field, warmer_k, standard_nt: variance.sqrt(), worst_case_nt, terms }
 }
 
 /// Standard uncertainty of what a temperature adds: the sensor's and the electronics' alike.

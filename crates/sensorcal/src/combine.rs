@@ -20,8 +20,7 @@ const DISAGREE_BELOW: f64 = 0.01;
 /// O is seen twice: in the coil, where errors of the coil's own offset come in, and by reversals. Where the
 /// two agree they are joined by their uncertainties (and k with them, as far as it goes with O); where they
 /// do not, the reversals count. Errors of the coefficients of temperature are in both and weigh for neither:
-/// at another reference temperature they are others, and the offset has to be the same but for what it moves
-/// by.
+/// they depend on the reference temperature, the offset otherwise does not.
 pub fn into(
     entry: &mut SensorCalibration,
     mut found: SensorCalibration,

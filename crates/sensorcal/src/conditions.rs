@@ -16,7 +16,6 @@ pub struct Conditions {
     pub effects: Vec<EffectInstance>,
     /// Covariance over their parameters, one effect after the other.
     pub covariance: Mat<f64>,
-    /// Their paths in the document.
     pub paths: Vec<String>,
     /// How they were estimated; None: they are stated.
     pub block: Option<Block>,
@@ -37,16 +36,13 @@ impl Conditions {
     }
 
     fn parameters(&self) -> Vec<Parameter> {
-        let effects = self.effects.iter().enumerate();
-        effects
-            .flat_map(|(at, effect)| {
-                (0..effect.parameters.len()).map(move |number| Parameter::Effect(at, number))
-            })
-            .collect()
+        let of = |(at, effect): (usize, &EffectInstance)| {
+            (0..effect.parameters.len()).map(move |number| Parameter::Effect(at, number))
+        };
+        self.effects.iter().enumerate().flat_map(of).collect()
     }
 
-    /// The effects for a fit, and what is uncertain about them; nothing where a recording lacks a
-    /// temperature.
+    /// The effects for a fit, and what is uncertain about them; none where a temperature is absent.
     pub fn effects_in(&self, runs: &[Run<'_>]) -> (Vec<EffectInstance>, Option<KnownParameters>) {
         if self.effects.is_empty() || !runs.iter().all(|run| self.known_in(&run.context)) {
             return (Vec::new(), None);
@@ -104,7 +100,6 @@ impl Conditions {
     }
 }
 
-/// What temperatures add to the field that is read.
 pub struct Contribution {
     /// By row, nT.
     pub field_nt: Vec<f64>,

@@ -1,10 +1,8 @@
-//! What fields across a sensor do to it ("Measurement of Orthogonal Field Effects on Sensitivity and
-//! Offset").
+//! What fields across a sensor do to it (the report's "Orthogonal Field Effects on Sensitivity and Offset").
 //!
 //! A sensor that is not quite along its coil reads a share of the field across, which is odd in that field
-//! and does not depend on the field along: it belongs to the axes and is kept apart. What is even in the
-//! field across (the catalogue's `cross_field`) or goes with the field along (`cross_field_sensitivity`) is
-//! the sensor's own.
+//! and does not depend on the field along: this belongs to the axes. The sensor's own is even in the field
+//! across (the catalogue's `cross_field`) or goes with the field along (`cross_field_sensitivity`).
 
 use common::covariance::rows;
 use common::number::p_value;
@@ -149,7 +147,6 @@ fn squared(runs: &[Run<'_>], across: &[Vec<Axis>]) -> Candidate {
     }
 }
 
-/// χ² of all the parameters together.
 fn significance(fit: &Fit, places: &[usize], freedom: f64) -> TestResult {
     let values = Mat::from_fn(places.len(), 1, |i, _| fit.values[places[i]]);
     let form = estimate::correlated::Whitening::of(&[fit.scatter_of(places)])

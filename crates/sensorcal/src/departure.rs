@@ -50,8 +50,7 @@ impl Candidate {
     }
 }
 
-/// The noise that the residuals call for: where the sensor's noise is known and explains what is left beside
-/// the unknowns and all candidates, it alone.
+/// The noise that the residuals call for; the sensor's known noise alone where that explains them.
 pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Allowed> {
     let Some(own) = problem.allowed.own() else { return Ok(problem.allowed.clone()) };
     let fit = Problem { allowed: &own, ..problem.clone() }.solve()?;
@@ -68,13 +67,11 @@ pub fn noise_called_for(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> 
     Ok(if explained { own } else { problem.allowed.clone() })
 }
 
-/// A design with one more column.
 pub fn beside(design: &Mat<f64>, column: &[f64]) -> Mat<f64> {
     let (rows, columns) = (design.nrows(), design.ncols());
     Mat::from_fn(rows, columns + 1, |i, j| if j < columns { design[(i, j)] } else { column[i] })
 }
 
-/// A fit with what it needed beside its unknowns.
 pub struct Extended {
     /// The fit; the departures that were found are its last unknowns.
     pub fit: Fit,
@@ -87,8 +84,7 @@ pub struct Extended {
 
 /// Fits, looks for each candidate beside the fit, takes the most significant one in, and looks again.
 ///
-/// A candidate is one more column beside the derivatives at the minimum, under the covariances that the fit
-/// gave some weight.
+/// A candidate: one more column beside the derivatives at the minimum, under the likely covariances.
 pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Extended> {
     let mut fit = problem.solve()?;
     let all = candidates.iter().map(|candidate| (candidate, used(problem.runs, &candidate.column)));
@@ -135,8 +131,7 @@ pub fn extend(problem: &Problem<'_, '_>, candidates: &[Candidate]) -> Result<Ext
     Ok(Extended { fit, departures, found, rivals })
 }
 
-/// The size of a column beside a fit, and the probability that it is zero; None where the column is not seen
-/// beside the others.
+/// The size of a column beside a fit, and the probability that it is zero; None where it is not seen.
 fn beside_fit(fit: &Fit, allowed: &Allowed, column: &[f64]) -> Result<Option<(Quantity, f64)>> {
     let (rows, unknowns) = (fit.design.nrows(), fit.design.ncols());
     if rows <= unknowns + 1 {

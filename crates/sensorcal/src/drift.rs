@@ -74,8 +74,7 @@ fn result(dates: &[Date], conditions: &Conditions) -> Result<OffsetDrift> {
     let own_mean = dates.iter().map(own).sum::<f64>() / count;
     let mean = dates.iter().map(|date| date.offset.value()).sum::<f64>() / count;
     let square = dates.iter().map(|date| (date.offset.value() - mean).powi(2)).sum::<f64>() / (count - 1.0);
-    // Errors of the coefficients of temperature are common to all dates: how each moves the offset of each
-    // date.
+    // How the coefficients of temperature, common to all dates, move the offset of each date.
     let of = |date: &Date, parameter: usize| date.by_temperature.as_ref().map_or(0.0, |by| by[parameter]);
     let each = |parameter: usize| dates.iter().map(|date| of(date, parameter)).collect();
     let common: Vec<Vec<f64>> = (0..conditions.covariance.nrows()).map(each).collect();
@@ -118,8 +117,7 @@ struct Date {
     temperature_c: Option<f64>,
     /// Variance from scatter, nT².
     scatter_nt2: f64,
-    /// Derivative by each parameter of the known effects of temperature, which were taken off; None where
-    /// none were.
+    /// Derivatives by the parameters of the effects of temperature that were taken off; None without.
     by_temperature: Option<Vec<f64>>,
 }
 
@@ -129,7 +127,6 @@ impl Date {
     }
 }
 
-/// What the offsets may follow.
 struct Columns {
     design: Mat<f64>,
     annual: Option<usize>,
@@ -137,8 +134,7 @@ struct Columns {
 }
 
 impl Columns {
-    /// 1 and the time in years from its middle; a yearly term where the dates span one; the temperature where
-    /// it moved and is not known already.
+    /// 1 and years from the middle; a yearly term where the dates span one; an unknown temperature.
     fn of(dates: &[Date]) -> Self {
         let times: Vec<f64> = dates.iter().map(|date| date.days_from(&dates[0])).collect();
         let middle = times.iter().sum::<f64>() / times.len() as f64;
@@ -168,8 +164,7 @@ impl Columns {
     }
 }
 
-/// Trend, yearly term and temperature's part, under whatever noise with memory the offsets may have; and the
-/// trend under each noise alone.
+/// Trend, yearly term and temperature's part, under any noise with memory; the trend under each.
 fn trend(
     dates: &[Date],
     (conditions, common): (&Conditions, &[Vec<f64>]),
@@ -247,8 +242,7 @@ fn trend(
     Ok(())
 }
 
-/// The least-squares trend with the standard uncertainty of Newey and West, which allows for short memory
-/// only.
+/// The least-squares trend with the uncertainty of Newey and West, which allows for short memory only.
 fn newey_west(columns: &Columns, y: &[f64]) -> Result<Quantity> {
     let design = columns.design.as_ref();
     let fit = linear::fit(design, y, None)?;

@@ -1,5 +1,4 @@
-//! The catalogue's effects of fields across as columns beside a fit, and what errors of the directions do to
-//! them.
+//! The catalogue's effects of fields across as columns beside a fit, and how errors of directions move them.
 
 use common::Axis;
 use nalgebra::Matrix3;
@@ -12,15 +11,13 @@ use crate::readings::{FULL_NT, Run};
 use crate::sides::Directions;
 use faer::Mat;
 
-/// A parameter that moves no reading by this share of what its neighbours do, or of which less is left beside
-/// the others, cannot be told.
+/// A parameter with this share of its neighbours' size, or of which less is left beside them, is not seen.
 const VISIBLE: f64 = 0.2;
 pub const KINDS: [Kind; 2] = [Kind::CrossField, Kind::CrossFieldSensitivity];
 
 #[derive(Clone)]
 pub struct Sought {
     pub kind: Kind,
-    /// Number of its parameter.
     pub number: usize,
     /// What it adds to the field that is read, nT for each nT, by run and row.
     pub column: Vec<Vec<f64>>,
@@ -57,8 +54,7 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| value.abs().max(most))
 }
 
-/// The parameters of the catalogue's effects that these recordings can tell apart, and those that they
-/// cannot.
+/// The parameters of the catalogue's effects that these recordings tell apart, and those that they do not.
 pub fn sought(runs: &[Run<'_>], design: &Mat<f64>) -> Result<(Vec<Sought>, Vec<Sought>)> {
     let (mut seen, mut unseen) = (Vec::new(), Vec::new());
     let mut wide = design.clone();
@@ -100,9 +96,8 @@ pub fn likely(seen: &[Sought], fit: &Fit, first: usize) -> [f64; 2] {
     })
 }
 
-/// What errors of the directions, and parameters that cannot be told, do to the parameters that were found:
-/// each independent error of one standard deviation as the readings' departure, over the used rows of all
-/// runs.
+/// How errors of the directions, and parameters that cannot be told, move those that were found: each error
+/// of one standard deviation as the readings' departure, over the used rows of all runs.
 ///
 /// The parameters from `first` on of the fit belong to `seen`, which were calculated for `directions`;
 /// `likely` are the standard deviations of those that cannot be told.

@@ -1,5 +1,4 @@
-//! A fit of the chain's parameters to recordings of one sensor: prediction and derivatives are those of
-//! `physics`.
+//! A fit of the chain's parameters to recordings of one sensor, by the predictions of `physics`.
 
 use common::uncertainty::{self, By};
 use common::{Axis, FitNoise, Quantity, Uncertainty};
@@ -81,12 +80,10 @@ impl Fit {
         self.by.iter().map(|(path, moved)| (path.clone(), of(moved))).collect()
     }
 
-    /// Covariance from scatter.
     pub fn scatter(&self, i: usize, j: usize) -> f64 {
         self.widened * self.linear.covariance(i, j)
     }
 
-    /// The same, of some of the unknowns.
     pub fn scatter_of(&self, unknowns: &[usize]) -> Mat<f64> {
         Mat::from_fn(unknowns.len(), unknowns.len(), |i, j| self.scatter(unknowns[i], unknowns[j]))
     }
@@ -96,7 +93,6 @@ impl Fit {
         self.scatter(unknown, unknown).sqrt()
     }
 
-    /// Covariance of both kinds.
     pub fn covariance(&self, i: usize, j: usize) -> f64 {
         self.scatter(i, j) + self.common[(i, j)]
     }
@@ -119,8 +115,7 @@ struct State {
     columns: Vec<f64>,
 }
 
-/// A state with its residuals and the derivatives of the predicted field, nT, and its sum of squares under
-/// the first covariance.
+/// A state, its residuals, the derivatives of the predicted field, nT, and χ² under the first covariance.
 pub struct At {
     state: State,
     residual: Vec<f64>,
@@ -246,8 +241,7 @@ impl Problem<'_, '_> {
         Ok((residual, design))
     }
 
-    /// What a fit misses readings by that it did not see, nT: the rows of `runs`, which are those of the
-    /// problem with other rows.
+    /// What a fit misses unseen readings by, nT: the rows of `runs` like the problem's.
     pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>> {
         let state = self.first();
         let step: Vec<f64> =

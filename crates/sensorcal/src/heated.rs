@@ -18,18 +18,15 @@ use crate::{Error, Result};
 const MOVED_K: f64 = 0.5;
 /// Share of a temperature's changes that the other one's must leave.
 const APART: f64 = 0.1;
-/// Lags that are tried, s.
 const TRIED_S: [f64; 13] =
     [10.0, 20.0, 40.0, 70.0, 120.0, 200.0, 350.0, 600.0, 1000.0, 1800.0, 3200.0, 5600.0, 10_000.0];
 /// The way from one temperature to another was recorded when no step is a larger share of it.
 const PATH: f64 = 0.1;
-/// What is said where that is not so.
 const UNSEEN: &str = "the transitions between temperatures were not recorded: a lag is not observable";
 /// χ² by which a lag is excluded at 95 %.
 const EXCLUDED: f64 = 3.84;
 
-/// Sensor and electronics, whose temperatures move: the effects of each on sensitivity and offset, at once
-/// and with a lag.
+/// How the temperatures of sensor and electronics act on sensitivity and offset, at once and with a lag.
 pub const KINDS: [[[Kind; 2]; 2]; 2] = [
     [
         [Kind::SensitivityTemperature, Kind::SensitivityTemperatureLag],
@@ -104,8 +101,7 @@ fn parts(runs: &[Run<'_>], warmer: &[[Vec<f64>; 2]], findings: &mut Findings) ->
     Ok(parts)
 }
 
-/// How many temperatures there were, a kelvin apart: in all readings, or in those that show the sensitivity,
-/// with at least half the largest drive.
+/// Temperatures, a kelvin apart: in all readings, and in those with at least half the largest drive.
 pub fn distinct(heated: &Heated<'_>, part: usize, driven: bool) -> usize {
     let of_run = |(run, both): (&Run<'_>, &[Vec<f64>; 2])| {
         let drive = |row: usize| run.context.current_a[row][run.coil.index()].abs();

@@ -21,7 +21,6 @@ const ONE_SETTING: f64 = 3e-4;
 
 pub struct Leaning {
     pub coil: Axis,
-    /// The runs in which it is the same.
     pub runs: Vec<usize>,
 }
 
@@ -114,7 +113,6 @@ impl Across {
             .collect()
     }
 
-    /// The leans by name, one for each recording.
     pub fn named(&self, runs: &[Run<'_>], fit: &Fit) -> Vec<Misalignment> {
         let leanings = self.leanings.iter().enumerate();
         leanings

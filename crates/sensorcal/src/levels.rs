@@ -123,8 +123,7 @@ pub fn lines(runs: &[Run<'_>], groups: &[(usize, Vec<usize>)]) -> Vec<Unknown> {
     groups.iter().flat_map(both).collect()
 }
 
-/// k and O of groups of rows, each with its own line, one polynomial and one noise for all; readings outside
-/// the groups are left out.
+/// k and O of groups of rows, each with its own line, one polynomial and one noise for all.
 pub fn constants(
     runs: &[Run<'_>],
     groups: &[(usize, Vec<usize>)],
@@ -158,8 +157,7 @@ fn constant(fit: &Fit, at: usize, run: &Run<'_>) -> Constants {
 }
 
 /// The report's slopes: straight lines through the levels at the reference and at the nearest temperature on
-/// either side of it, in the runs in which the part moved; ppm/K and nT/K of the field that is read. `fit` is
-/// that of the levels.
+/// either side of it, in the runs in which the part moved; ppm/K and nT/K of the field that is read.
 pub fn three_point(levels: &[Level], fit: &Fit, at: usize) -> IndexMap<String, Quantity> {
     let moved = |run: usize| {
         let own = levels.iter().filter(|level| level.run == run);

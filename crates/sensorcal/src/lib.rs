@@ -12,9 +12,8 @@
 //! `estimate::correlated` makes the steps under the covariance that `noise::covariance` gives for exactly the
 //! process from which `noise::series` draws. Where the noise is not known, the allowed covariances are
 //! averaged by restricted likelihood, and `estimate::mixture` makes one interval of them by its quantiles.
-//! What is known with an uncertainty (a coil constant, a temperature coefficient) moves the unknowns through
-//! the same derivatives and is added as a common part. `drift` fits what offsets follow from date to date,
-//! `wander` the noise they may have.
+//! What is known with an uncertainty (a coil constant, a coefficient) moves the unknowns through the same
+//! derivatives. `drift` fits the dates' offsets, `wander` their noise.
 
 mod adopt;
 mod allowed;
@@ -45,10 +44,12 @@ mod words;
 pub use common::Error;
 pub use words::summary;
 
+use clap::Args;
 use common::uncertainty;
 use common::{Axis, Document, Quantity, SensorCalibration, Uncertainty, procedure};
 use faer::Mat;
 use physics::{References, Unit};
+use program::number;
 use rayon::prelude::*;
 
 use crate::conditions::Conditions;
@@ -60,23 +61,39 @@ use crate::sides::Sides;
 
 type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// What is asked for.
-#[derive(Clone, Debug, PartialEq)]
+/// What is asked of sensorcal.
+#[derive(Args, Clone, Debug, PartialEq)]
 pub struct Options {
-    /// How far the turn of a reversal may miss 180°, deg.
+    /// How far the turn of a reversal may miss 180°, deg
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = number::not_negative)]
     pub turn_deg: f64,
-    /// How far axes may be from nominal where the document does not give them (standard deviation), deg.
+    /// How far axes may be from nominal where the document does not give them (standard deviation), deg
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, value_parser = number::not_negative)]
     pub axes_std_deg: f64,
-    /// Fields along the sensor for the error budget, nT; none: zero, half and the whole of what was applied.
+    /// Fields along the sensor for the error budget, nT [default: zero, half and all of what was applied]
+    #[arg(long, value_name = "NT", value_delimiter = ',', value_parser = number::finite)]
     pub budget_field_nt: Vec<f64>,
-    /// Temperatures of the sensor less its reference for the error budget, K; none: zero, and 10 where
-    /// coefficients are known.
+    /// Temperatures less the reference for the error budget, K [default: 0, and 10 where coefficients are known]
+    #[arg(long, value_name = "K", value_delimiter = ',', value_parser = number::finite)]
     pub budget_warmer_k: Vec<f64>,
 }
 
 impl Default for Options {
     fn default() -> Self {
         Self { turn_deg: 3.0, axes_std_deg: 3.0, budget_field_nt: Vec::new(), budget_warmer_k: Vec::new() }
+    }
+}
+
+impl Options {
+    /// What the history records of the request.
+    pub fn arguments(&self) -> Vec<String> {
+        let degrees = [("turn-deg", self.turn_deg), ("axes-std-deg", self.axes_std_deg)];
+        let lists = [("budget-field-nt", &self.budget_field_nt), ("budget-warmer-k", &self.budget_warmer_k)];
+        let listed = lists.into_iter().filter(|(_, values)| !values.is_empty()).map(|(name, values)| {
+            let values: Vec<String> = values.iter().map(f64::to_string).collect();
+            format!("--{name}={}", values.join(","))
+        });
+        degrees.map(|(name, deg)| format!("--{name}={deg}")).into_iter().chain(listed).collect()
     }
 }
 
@@ -164,26 +181,16 @@ fn in_passes(
         return Ok(());
     }
     let mu = sides.solve(&[])?.mu;
-    let units = Axis::ALL.map(|sensor| {
-        readings::runs(document, references, procedure::CROSS_FIELD, sensor)
-            .ok()?
-            .first()
-            .map(|run| run.context.unit)
-    });
     for sensor in Axis::ALL {
-        let Some(unit) = units[sensor.index()] else { continue };
+        let runs = readings::runs(document, references, procedure::CROSS_FIELD, sensor).unwrap_or_default();
+        let Some(unit) = runs.first().map(|run| run.context.unit) else { continue };
         let sensors = Axis::ALL.map(|axis| {
-            let of = &found[axis.index()];
-            passes::corrected(
-                document,
-                (axis, unit),
-                of.constants.as_ref(),
-                of.calibration.cross_field.as_deref(),
-            )
+            let SensorFindings { constants, calibration, .. } = &found[axis.index()];
+            passes::corrected(document, (axis, unit), constants.as_ref(), calibration.cross_field.as_deref())
         });
         let of = &mut found[sensor.index()];
         let Some(across) = &of.across else { continue };
-        let passes = passes::score((document, references), sensor, &across.left_out, (&sensors, &mu))?;
+        let passes = passes::score(&runs, sensor, &across.left_out, (&sensors, &mu));
         let held_out = of.calibration.cross_field.as_mut().and_then(|fit| fit.held_out.as_mut());
         if let (Some([first, second]), Some(held_out)) = (passes, held_out) {
             (held_out.first_pass_nt, held_out.second_pass_nt) = (Some(first), Some(second));
@@ -211,7 +218,6 @@ fn shield(calibration: &SensorCalibration) -> Option<f64> {
     recordings.map(|reversal| reversal.shield_field_nt.value().abs()).reduce(f64::max)
 }
 
-/// All six procedures on one sensor.
 fn one(
     (document, references): (&Document, References),
     sensor: Axis,

@@ -1,6 +1,6 @@
 //! Noise of a sensor in a shield ("Measurement of Sensor Noise in Low Field").
 
-use common::number::{bare, counted, p_value, significant};
+use common::number::{bare, p_value, significant};
 use common::{
     Axis, BandRms, Code, Document, Findings, MergedSpectrum, Noise, NoiseSeriesResult, Quantity, Recording,
     SensorNoise, SpectralLine, procedure, series,
@@ -16,15 +16,12 @@ use rayon::prelude::*;
 use crate::readings::{code, output};
 use crate::{Error, Result};
 
-/// A series stands in the merged spectrum up to this share of its Nyquist frequency, where a faster one
-/// follows.
+/// A series is in the merged spectrum up to this share of its Nyquist frequency, if a faster one follows.
 const TRUSTED: f64 = 0.8;
-/// Bins of the merged spectrum in a decade.
 const BINS: f64 = 10.0;
 /// A bin counts as so many ordinates of a Fourier transform at least.
 const LEAST_COUNT: f64 = 1.0;
-/// Share of rounding in the density at the fast end below which the sensor was measured, and above which the
-/// quantiser was.
+/// Shares of rounding in the fast end's density up to which it is the sensor, and from which the quantiser.
 const MEASURED: [f64; 2] = [0.1, 0.5];
 /// Below this probability the spectrum does not have the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
@@ -46,8 +43,7 @@ struct Series<'a> {
     uneven_s: Option<f64>,
 }
 
-/// The noise that was measured, in the form in which instruments declare theirs, no steeper than a covariance
-/// is made for.
+/// The measured noise as instruments declare theirs, no steeper than a covariance is made for.
 pub fn as_noise(measured: &SensorNoise) -> Noise {
     let noise = measured.as_noise();
     Noise { flicker_exponent: noise.flicker_exponent.map(|exponent| exponent.min(STEEPEST)), ..noise }
@@ -98,8 +94,8 @@ fn read<'a>(
     let (reading, unit) = output(recording, path, sensor)?;
     let column = format!("{path}.columns.sensor_{sensor}_{}", unit.suffix());
     let Some(even) = evened(recording.column("time_s").unwrap_or_default(), reading) else {
-        let expected = "increasing times without gaps, most of them evenly spaced: ingest --sort sorts rows by time, series cut keeps a part without gaps, series resample --step S makes even steps";
-        return Err(Error::document(format!("{path}.columns.time_s"), "no such times", expected));
+        let times = format!("{path}.columns.time_s");
+        return Err(Error::document(times, "no such times", series::EVEN_TIMES));
     };
     let Some((k, _)) = sensitivity(unit) else {
         let expected = format!(
@@ -107,14 +103,9 @@ fn read<'a>(
         );
         return Err(Error::document(column, "readings in V without a sensitivity", expected));
     };
-    let rows = even.column.len();
-    let filled = series::filled(even.column).map_err(|missing| {
-        let found = format!("{missing} of {} missing", counted(rows, "reading"));
-        let expected = "at most 1 %; a spectrum needs a series without gaps: series cut --from T --to T keeps a part without them";
-        Error::document(&column, found, expected)
-    })?;
     let step_s = even.step_s;
-    let field_nt: Vec<f64> = filled.into_iter().map(|value| k * value).collect();
+    let filled = series::filled(even.column, &column)?.into_iter();
+    let field_nt: Vec<f64> = filled.map(|value| k * value).collect();
     let count = field_nt.len() as f64;
     let mean_nt = stats::mean(&field_nt);
     let rms_nt = (field_nt.iter().map(|b| (b - mean_nt).powi(2)).sum::<f64>() / count).sqrt();
@@ -273,8 +264,7 @@ fn series_result(one: &Series<'_>, white: Estimate, fit: &WhittleFit) -> NoiseSe
     }
 }
 
-/// The periodograms joined, the slowest first, in bins of a tenth of a decade, or more where these hold too
-/// little, with their 95 % bands.
+/// The periodograms joined, slowest first, in bins of a tenth of a decade or more, with 95 % bands.
 fn merged(all: &[Series<'_>]) -> MergedSpectrum {
     let mut spectrum = MergedSpectrum::default();
     let first = |one: &Series<'_>| 1.0 / one.periodogram.length_s;

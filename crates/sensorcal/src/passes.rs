@@ -1,43 +1,38 @@
 //! The report's correction in two passes, held against readings that were left out of the fit.
 //!
 //! "Zero field constants" give the field along each of the three sensors; with these the fields across are
-//! calculated and taken off: the first pass. The second one calculates the fields across from the fields so
-//! corrected.
+//! calculated and taken off: the first pass. The second starts from the fields so corrected.
 
-use common::{Axis, CrossFieldFit, Document, HeldOut, Quantity, procedure};
+use common::{Axis, CrossFieldFit, Document, HeldOut, Quantity};
 use nalgebra::{Matrix3, Vector3};
-use physics::{Basic, Kind, References, Unit};
+use physics::{Basic, Kind, Unit};
 
 use crate::Result;
 use crate::departure::used;
 use crate::effects::{KINDS, Sought, shapes};
 use crate::fit::{self, Problem};
-use crate::readings::{Run, output, runs};
+use crate::readings::{Run, output};
 use crate::sensitivity::Constants;
 use crate::shape::{Place, Shape};
 
 /// Parts into which readings are dealt out to be left out one after the other.
 const FOLDS: usize = 3;
 
-/// A reading that was left out of a fit.
 pub struct LeftOut {
     pub run: usize,
     pub row: usize,
-    /// What the fit misses it by without any effect of fields across, nT; constants and leans are those found
-    /// with them.
+    /// What the fit misses it by without effects of fields across, constants and leans found beside them, nT.
     pub missed_nt: f64,
     /// The effects' parameters as the other readings give them, in the order of [`shapes`], nT.
     pub parameters: [f64; 5],
 }
 
-/// The place of a parameter in [`shapes`].
 fn place(kind: Kind, number: usize) -> usize {
     if kind == Kind::CrossField { number } else { 3 + number }
 }
 
 /// Rms of readings that were left out, with the constants and the lean alone and corrected for the field
-/// across as it was applied, and the readings one by one; None where the others do not determine the
-/// unknowns.
+/// across as it was applied, and the readings; None where the others do not suffice.
 pub fn left_out(
     problem: &Problem<'_, '_>,
     (sought, first): (&[Sought], usize),
@@ -90,8 +85,7 @@ pub fn left_out(
     Ok((!all.is_empty()).then_some((held_out, all)))
 }
 
-/// A sensor with what its corrections need: its constants without a field across, and its parameters in the
-/// order of [`shapes`].
+/// A sensor's constants without a field across, and its parameters in the order of [`shapes`].
 #[derive(Clone, Copy)]
 pub struct Corrected {
     pub sensitivity: f64,
@@ -103,23 +97,20 @@ pub struct Corrected {
 /// Rms of the readings that were left out after the first and the second pass; None where a recording does
 /// not have the readings of all three sensors. `mu` holds the sensors' directions in SEN.
 pub fn score(
-    (document, references): (&Document, References),
+    runs: &[Run<'_>],
     sensor: Axis,
     left_out: &[LeftOut],
     (sensors, mu): (&[Corrected; 3], &Matrix3<f64>),
-) -> Result<Option<[f64; 2]>> {
-    let Some(to_sen) = mu.transpose().try_inverse() else { return Ok(None) };
-    let runs = runs(document, references, procedure::CROSS_FIELD, sensor)?;
+) -> Option<[f64; 2]> {
+    let to_sen = mu.transpose().try_inverse()?;
     let mut sums = [0.0; 2];
     for left in left_out {
         let run = &runs[left.run];
         let mut along = Vector3::zeros();
         for axis in Axis::ALL {
-            let Ok((readings, unit)) = output(run.context.recording, &run.path, axis) else {
-                return Ok(None);
-            };
+            let (readings, unit) = output(run.context.recording, &run.path, axis).ok()?;
             if unit != run.context.unit || !readings[left.row].is_finite() {
-                return Ok(None);
+                return None;
             }
             let of = &sensors[axis.index()];
             along[axis.index()] = of.sensitivity * readings[left.row] + of.offset_nt;
@@ -138,7 +129,7 @@ pub fn score(
             corrected = along - Vector3::from(all);
         }
     }
-    Ok((!left_out.is_empty()).then(|| sums.map(|sum| (sum / left_out.len() as f64).sqrt())))
+    (!left_out.is_empty()).then(|| sums.map(|sum| (sum / left_out.len() as f64).sqrt()))
 }
 
 /// What the corrections need of a sensor: its constants as they were found, else as the document states them.

@@ -14,8 +14,7 @@ pub const FULL_NT: f64 = 50_000.0;
 const FOLLOWS: f64 = 0.9;
 /// A sensitivity may differ from what is stated by this factor before it is a mistake of columns or units.
 const STATED_WITHIN: f64 = 1.25;
-/// A sensor that is said to be turned along a coil points there by its stated orientation at least so far
-/// (cosine).
+/// A sensor turned along a coil points there by its stated orientation at least so far (cosine).
 const ALONG: f64 = 0.7;
 
 /// So many readings show their codes.
@@ -27,7 +26,6 @@ const SHARED: usize = 2;
 #[derive(Clone)]
 pub struct Run<'a> {
     pub context: Context<'a>,
-    /// Where it stands in the document.
     pub path: String,
     pub sensor: Axis,
     /// The coil along which it was turned.
@@ -65,8 +63,7 @@ pub fn times(recording: &Recording, rows: &[usize]) -> Option<Vec<f64>> {
     (times.iter().all(|t| t.is_finite()) && times.windows(2).all(|pair| pair[1] >= pair[0])).then_some(times)
 }
 
-/// The recordings of a procedure and a sensor, with their places, in the order in which they were taken:
-/// their order in the document means nothing.
+/// The recordings of a procedure and a sensor, with their places, in the order of time.
 pub fn recordings<'a>(
     document: &'a Document,
     procedure: &str,
@@ -96,7 +93,6 @@ pub fn recordings<'a>(
     Ok(found)
 }
 
-/// The readings of a sensor, in V or in nT.
 pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<(&'a [f64], Unit)> {
     let columns = format!("{path}.columns");
     match (recording.axis_column("sensor", sensor, "v"), recording.axis_column("sensor", sensor, "nt")) {
@@ -115,7 +111,6 @@ pub fn output<'a>(recording: &'a Recording, path: &str, sensor: Axis) -> Result<
     }
 }
 
-/// All runs of a procedure and a sensor.
 pub fn runs<'a>(
     document: &'a Document,
     references: References,
@@ -187,8 +182,7 @@ fn run<'a>(
     Ok(run)
 }
 
-/// First constants, by a straight line through the readings; what does not follow the field at all is
-/// refused.
+/// First constants, by a straight line; readings that do not follow the field at all are refused.
 fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> Result<()> {
     let sensor = run.sensor;
     let column = format!("{}.columns.sensor_{sensor}_{}", run.path, unit.suffix());
@@ -247,7 +241,6 @@ fn begin(document: &Document, run: &mut Run<'_>, unit: Unit, direction: f64) -> 
     Ok(())
 }
 
-/// A straight line through points (field, reading).
 struct Line {
     mean: (f64, f64),
     bb: f64,
@@ -294,13 +287,11 @@ pub fn code(readings: &[f64]) -> Option<f64> {
         .then_some(width)
 }
 
-/// Width of a code as the instrument states it, in the unit of a run: the steps of a sweep would pass for
-/// codes.
+/// Width of a code as the instrument states it, in the unit of a run (steps of a sweep would pass for one).
 pub fn code_width(document: &Document, run: &Run<'_>) -> f64 {
     run.context.unit.code_width(document.instrument.as_ref()).unwrap_or(0.0)
 }
 
-/// The largest of some values less the smallest.
 pub fn span(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.clone().fold(f64::NEG_INFINITY, f64::max) - values.fold(f64::INFINITY, f64::min)
 }
@@ -311,18 +302,4 @@ pub fn along(run: &Run<'_>) -> Vec<f64> {
     let axis = run.context.orientation.rotation.transpose() * run.basic.mu.column(at);
     let sign = axis.dot(&run.basic.eta.column(run.coil.index())).signum();
     (0..run.context.rows).map(|row| sign * run.applied_nt(row)).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn codes_are_seen() {
-        let rounded: Vec<f64> = (0..200).map(|i| (f64::from(i * i % 37) * 0.37).round() * 2.5e-6).collect();
-        let width = code(&rounded).expect("codes");
-        assert!((width / 2.5e-6 - 1.0).abs() < 1e-9, "{width}");
-        let smooth: Vec<f64> = (0..200).map(|i| f64::from(i).sin()).collect();
-        assert_eq!(code(&smooth), None);
-    }
 }

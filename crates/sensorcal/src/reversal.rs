@@ -1,7 +1,6 @@
 //! Offset by turning the sensor through 180° ("Measurement of Sensor Offset in Low Field").
 //!
-//! V₁ = (B − O)/k and V₂ = (−B − O)/k, so O = −k (V₁ + V₂)/2: the report's eq. 26 has the sign wrong and k on
-//! the wrong side.
+//! V₁ = (B − O)/k and V₂ = (−B − O)/k, so O = −k (V₁ + V₂)/2 (the report's eq. 26 has sign and k wrong).
 
 use common::number::{counted, plural};
 use common::{
@@ -34,14 +33,12 @@ pub struct Turned {
     pub own_nt2: f64,
     /// From standard uncertainty to 95 % interval.
     pub coverage_factor_95: f64,
-    /// Derivative by each parameter of the temperatures, which is common to all recordings and to what a coil
-    /// shows; empty where none were taken off.
+    /// Derivatives by the parameters of the temperatures, common to all recordings and a coil's; or empty.
     pub by_temperature: Vec<f64>,
 }
 
 impl Turned {
-    /// The variance from scatter and sensitivity of a normal distribution with the same 95 % interval: few
-    /// degrees of freedom count as a wider normal.
+    /// The variance from scatter and sensitivity of a normal distribution with the same 95 % interval.
     pub fn covered_nt2(&self) -> f64 {
         self.own_nt2 * (self.coverage_factor_95 / stats::coverage_factor(0.95, f64::INFINITY)).powi(2)
     }
@@ -218,8 +215,7 @@ pub fn one(
 }
 
 /// Width of a code in a shield, in the unit of the readings: the smaller of what the instrument states and
-/// what the readings show, for they may have been amplified; of two different readings the step may be that
-/// of the positions.
+/// what the readings show, for they may have been amplified; two readings may be those of the positions.
 fn code_width(document: &Document, reading: &[f64], unit: Unit) -> f64 {
     let stated = unit.code_width(document.instrument.as_ref());
     match (stated, code(reading)) {
@@ -292,8 +288,7 @@ impl Series<'_> {
         Ok((fit, noise))
     }
 
-    /// Readings that follow each other in opposite positions, each used once, less a drift of the shield's
-    /// field.
+    /// Readings that follow each other in opposite positions, each used once, less the shield's drift.
     fn pairs(&self, rows: &[usize], drift: f64) -> ReversalPairs {
         let time = self.centred(rows).unwrap_or_else(|| vec![0.0; rows.len()]);
         let mut pairs = ReversalPairs::default();
@@ -314,8 +309,7 @@ impl Series<'_> {
     }
 }
 
-/// The value that does not belong to the others, by more than a code, by Grubbs' test: t² = n (n − 2) g²/((n
-/// − 1)² − n g²).
+/// The outlier by Grubbs' test, more than a code away: t² = n (n − 2) g²/((n − 1)² − n g²).
 fn outlier(values: &[f64], code_nt: f64) -> Option<usize> {
     let n = values.len() as f64;
     if n < 4.0 {
@@ -330,18 +324,4 @@ fn outlier(values: &[f64], code_nt: f64) -> Option<usize> {
     let t = if left > 0.0 { (n * (n - 2.0) * g * g / left).sqrt() } else { f64::INFINITY };
     let far = (values[worst] - mean).abs() > code_nt;
     (far && std > 0.0 && n * stats::two_sided_p(t, n - 2.0) < OUTLIER_BELOW).then_some(worst)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn one_bad_pair_is_told() {
-        let mut offsets = vec![0.31, 0.29, 0.30, 0.32, 0.31, 0.28, 0.30, 0.31];
-        assert_eq!(outlier(&offsets, 0.0), None);
-        offsets[5] = 0.9;
-        assert_eq!(outlier(&offsets, 0.0), Some(5));
-        assert_eq!(outlier(&[0.1, 5.0, 0.2], 0.0), None);
-    }
 }

@@ -1,5 +1,4 @@
-//! k and O of one sensor in a coil's field (NASA eq. 13 and 23 to 25, "Measurement of Sensor Sensitivity and
-//! Nonlinearity").
+//! k and O of one sensor in a coil (NASA eq. 13 and 23 to 25, "Sensor Sensitivity and Nonlinearity").
 
 use common::number::{bare, counted, p_value, plural, significant};
 use common::uncertainty::{self, Block};
@@ -27,18 +26,15 @@ pub struct Constants {
     pub unit: Unit,
     pub sensitivity: f64,
     pub offset_nt: f64,
-    /// Covariance of k and O.
     pub covariance: [[f64; 2]; 2],
     /// Its type B part.
     pub common: [[f64; 2]; 2],
     /// k, O and the nonlinearity as they were estimated.
     pub block: Block,
-    /// Derivatives of k and O by the parameters of the effects of temperature, whose errors are part of it;
-    /// empty where they were not taken off.
+    /// Derivatives of k and O by the parameters of temperature, part of their error; empty without.
     pub by_temperature: Vec<[f64; 2]>,
     /// Effects of the catalogue that were found, with their covariance.
     pub nonlinearity: Vec<(Kind, Quantity)>,
-    /// Largest field that was applied, nT.
     pub largest_nt: f64,
     pub fit: SensitivityFit,
 }
@@ -175,7 +171,6 @@ fn agreement(problem: &Problem<'_, '_>, extended: &mut departure::Extended) -> R
     ))))
 }
 
-/// Key of the sensitivity for readings of a unit.
 pub fn sensitivity_key(unit: Unit) -> &'static str {
     match unit {
         Unit::Volt => "sensitivity_nt_per_v",

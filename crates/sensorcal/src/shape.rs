@@ -8,16 +8,13 @@ use crate::allowed::{Allowed, Memory, More, Rows, WEIGHTY, undetermined};
 
 /// A recording longer than this sees the field in the coils drift, s.
 const DRIFTS_S: f64 = 7200.0;
-/// Readings in one fit whose covariance is a full matrix, at most: from there on it is that of a sum of
-/// processes, in one pass.
+/// Readings of a fit with a full covariance matrix, at most: beyond, it is a sum of processes in one pass.
 const FULL: usize = 2000;
-/// Variance of a recording's own level over that of its readings' noise, where several recordings share their
-/// constants.
+/// Variance of a recording's own level over that of its readings, where several share their constants.
 const LEVELS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
-/// Powers of the size of a reading's noise with which slow noise scatters: with the fast noise, not at all,
-/// with its variance.
+/// Powers of a reading's noise with which slow noise scatters: like the fast noise, not, like its variance.
 const POWERS: [f64; 3] = [1.0, 0.0, 2.0];
-/// Where the readings are taken.
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Place {
     /// In the field of a coil, which has a noise of its own.
@@ -27,10 +24,8 @@ pub enum Place {
     Shield,
 }
 
-/// What is known of a sensor's noise.
 #[derive(Clone, Debug)]
 pub struct Shape {
-    /// The sensor's noise where it is known.
     known: Option<Noise>,
     /// That of the field in the coils beside it, as the facility declares it.
     field: Option<Noise>,
@@ -192,8 +187,7 @@ fn about_mean(mut covariance: Vec<f64>, rows: usize) -> Vec<f64> {
     covariance
 }
 
-/// Whether a recording is so long that the daily variation, of which some thousandths leak through the
-/// nulling, drifts in it.
+/// Whether the daily variation, of which some thousandths leak through the nulling, drifts in a recording.
 fn drifts((_, time): &Rows) -> bool {
     time.as_ref()
         .and_then(|time| Some(time.last()? - time.first()?))
@@ -237,8 +231,7 @@ mod tests {
         ] {
             for time in [&even, &uneven] {
                 let [full, pass] = both(noise, time);
-                // At uneven times the full matrix has flicker noise read off an even grid by straight lines,
-                // which is smaller.
+                // At uneven times flicker noise is read off an even grid by straight lines: smaller.
                 let within = if time == &even { 0.01 } else { 0.2 };
                 for at in 0..3 {
                     let [a, b] = [&full, &pass].map(|fit| fit.covariance(at, at).sqrt());

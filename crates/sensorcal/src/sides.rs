@@ -16,8 +16,7 @@ use crate::Result;
 
 /// Procedures in which a sensor is turned along a coil.
 const ALONG: [&str; 3] = [procedure::SENSOR_SENSITIVITY, procedure::TEMPERATURE_RUN, procedure::CROSS_FIELD];
-/// How well a sensor is turned to the largest reading before the recordings say so, rad: a reading falls by 1
-/// in 650 000 at 0.1°.
+/// How well a sensor is turned to the largest reading, rad: a reading falls by 1 in 650 000 at 0.1°.
 const ALIGNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
 /// That counts as much as so many observed angles.
 const ALIGNED_FREEDOM: f64 = 4.0;
@@ -29,7 +28,6 @@ const STEPS: usize = 50;
 /// A step by less than this is the last one, rad.
 const SETTLED: f64 = 1e-10;
 
-/// A sensor that was turned along a coil.
 struct Turned {
     sensor: Axis,
     coil: Axis,
@@ -37,7 +35,6 @@ struct Turned {
     sign: f64,
 }
 
-/// What a document says of the directions.
 pub struct Sides {
     turned: Vec<Turned>,
     /// Coils, then sensors, as they are stated or nominal.
@@ -65,8 +62,7 @@ pub struct Directions {
 }
 
 impl Sides {
-    /// Of all recordings whose orientation is stated; directions that the document does not give may be
-    /// `axes_std_deg` from nominal.
+    /// Of all recordings whose orientation is stated; directions not given are `axes_std_deg` from nominal.
     pub fn of(document: &Document, axes_std_deg: f64) -> Self {
         let basic = Basic::of(document, Unit::Volt);
         let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
@@ -201,7 +197,6 @@ impl Sides {
     }
 }
 
-/// The two unknowns of a direction.
 fn turn(unknowns: &[f64; UNKNOWNS], at: usize) -> [f64; 2] {
     [unknowns[2 * at], unknowns[2 * at + 1]]
 }

@@ -27,9 +27,8 @@ impl Sized {
     /// s² = r'r/d for each stretch, with the residuals r whitened by the likeliest covariance and their
     /// degrees of freedom d (readings less the trace of their part of the projection on the design). The
     /// variances behind them scatter like σ₀² ν/χ²(ν), with σ₀ and ν from the scatter of ln s² (Smyth 2004,
-    /// Stat. Appl. Genet. Mol. Biol. 3, 3), so that σ² = (ν σ₀² + d s²)/(ν + d). Where the s² scatter no more
-    /// than chance makes them, all have one size; so they do where the sensor's own noise explains the
-    /// readings.
+    /// Stat. Appl. Genet. Mol. Biol. 3, 3), so that σ² = (ν σ₀² + d s²)/(ν + d). Where the s² scatter by
+    /// chance, or the sensor's own noise explains the readings, all have one size.
     pub fn of(
         allowed: Allowed,
         fit: &Fit,
@@ -129,8 +128,7 @@ fn spread(own: &[(f64, f64)]) -> Option<(f64, f64)> {
     Some(((mean + level(half)).exp(), 2.0 * half))
 }
 
-/// ψ'(x), x > 0: by ψ'(x) = ψ'(x + 1) + 1/x² up to where the asymptotic series is exact (Abramowitz and
-/// Stegun 6.4.12).
+/// ψ'(x) = ψ'(x + 1) + 1/x² for x > 0, up to the asymptotic series (Abramowitz and Stegun 6.4.12).
 fn trigamma(x: f64) -> f64 {
     let steps = (10.0 - x).ceil().max(0.0) as usize;
     let below: f64 = (0..steps).map(|step| (x + step as f64).powi(-2)).sum();

@@ -101,9 +101,8 @@ fn problem<'p, 'b>(
     Ok(Problem { runs: &heated.runs, effects, unknowns, known, allowed })
 }
 
-/// What the polynomials in temperature may leave out, by names in documents: offset and sensitivity with the
-/// cube of the temperature of sensor and of electronics, with the way that it had gone, and with the product of
-/// both temperatures.
+/// What the polynomials in temperature may leave out: offset and sensitivity with the cube of the temperature
+/// of sensor and of electronics, with the way that it had gone, and with both's product.
 const CUBES: [[&str; 2]; 2] = [
     ["sensor_offset_cubic", "sensor_sensitivity_cubic"],
     ["electronics_offset_cubic", "electronics_sensitivity_cubic"],
@@ -128,8 +127,7 @@ fn candidates(heated: &Heated<'_>) -> Vec<Candidate> {
     all
 }
 
-/// A function of the temperatures of sensor and electronics as part of the offset, nT, and of the sensitivity,
-/// ppm.
+/// A function of both temperatures as part of the offset, nT, and of the sensitivity, ppm.
 fn both_candidates(
     heated: &Heated<'_>,
     names: [&'static str; 2],

@@ -7,9 +7,8 @@ use faer::{Mat, MatRef};
 use crate::allowed::{Memory, undetermined};
 use crate::{Error, Result};
 
-/// Probabilities beforehand that what has memory is flicker noise or a random walk. A random walk makes the
-/// widest intervals, and of the noise of a year's length a year shows little: with this much for it,
-/// intervals hold under each of the two.
+/// Probabilities beforehand that what has memory is flicker noise or a random walk. A walk makes the widest
+/// intervals, and a year shows little of it: so intervals hold under either.
 const FORMS: [(&str, f64); 2] = [("flicker", 0.1), ("random_walk", 0.9)];
 /// Probability beforehand that the dates' own errors are as stated. The rest is spread over octaves of a
 /// factor of their variance: what else differs from date to date without memory.
@@ -33,12 +32,10 @@ pub struct Wandering {
 }
 
 impl Wandering {
-    /// y = X β with own variances `own` at times `time_s`, `shared` the covariance of β that is common to
-    /// all.
+    /// y = X β with own variances `own` at times `time_s`; `shared` is the common covariance of β.
     ///
     /// The covariances are s D + q K, D the own variances, K of flicker noise or of a random walk. q has the
-    /// reference prior of the restricted likelihood at s = 1, alike for both; s is one, or larger by any
-    /// octave.
+    /// reference prior of the restricted likelihood at s = 1, alike for both; s is 1 or octaves more.
     pub fn of(
         design: MatRef<'_, f64>,
         y: &[f64],

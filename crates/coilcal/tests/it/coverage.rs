@@ -1,5 +1,4 @@
-//! Coverage of k and B0 over simulated campaigns, resistor and voltmeter erring once for each.
-//! FLUXCAL_CAMPAIGNS sets how many.
+//! Coverage of k and B0, resistor and voltmeter erring once a campaign (FLUXCAL_CAMPAIGNS sets how many).
 
 use common::{Axis, Budget, Document, Quantity};
 use noise::Stream;
@@ -57,8 +56,7 @@ fn disturb(document: &mut Document, std_nt: f64, shared: Shared, seed: u64) {
     }
 }
 
-/// Asserts that intervals of constant and offset cover where the site's field changes by so much from one
-/// drive to the next.
+/// Asserts that intervals cover where the site's field changes by so much from one drive to the next.
 fn covers(site_nt: f64, shared: Shared, alone_falls_short: bool) {
     let count = testkit::campaigns(200) as usize;
     let visits = match shared {

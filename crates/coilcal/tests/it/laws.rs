@@ -1,8 +1,7 @@
 //! Laws over drawn campaigns: what does not matter to the coils, and what changes an answer in a known way.
 //! FLUXCAL_CAMPAIGNS sets how many.
 //!
-//! Not asked here: moving a reference temperature (no temperature enters), splitting a survey or a series of
-//! the nulling (each is an answer by itself).
+//! Not asked here: moving a reference temperature, splitting a survey or a series of the nulling.
 
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
@@ -41,31 +40,20 @@ fn each(law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(3)).for_each(|seed| law(seed, &campaign(&plan(seed))));
 }
 
-/// A change of the document, by the campaign, changes the answer alike.
-fn commutes(name: &str, change: impl Fn(&Value, u64) -> Value) {
-    let close = &Close::SUMMED;
-    each(|seed, document| laws::commutes(name, document, |document| change(document, seed), run, close));
-}
-
-#[test]
-fn the_names_of_the_axes_do_not_matter() {
-    commutes("rename", |document, _| laws::rename_axes(document));
-}
-
-#[test]
-fn volts_and_amperes_by_another_measure_scale_the_constants() {
-    commutes("volts", |document, _| laws::scale_volts(document, 0.73));
-}
-
 /// A scalar magnetometer knows no directions.
 #[test]
-fn the_frame_of_the_laboratory_does_not_matter() {
-    commutes("geo", |document, seed| laws::rotate_geo(document, &laws::rotation(seed)));
-}
-
-#[test]
-fn the_order_of_recordings_does_not_matter() {
-    commutes("order", laws::reorder);
+fn changes_of_the_document_change_the_answer_alike() {
+    let laws: [(&str, fn(&Value, u64) -> Value); 4] = [
+        ("names of the axes", |document, _| laws::rename_axes(document)),
+        ("volts and amperes by another measure", |document, _| laws::scale_volts(document, 0.73)),
+        ("frame of the laboratory", |document, seed| laws::rotate_geo(document, &laws::rotation(seed))),
+        ("order of recordings", laws::reorder),
+    ];
+    each(|seed, document| {
+        for (name, change) in laws {
+            laws::commutes(name, document, |document| change(document, seed), run, &Close::SUMMED);
+        }
+    });
 }
 
 #[test]

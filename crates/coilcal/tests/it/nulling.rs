@@ -62,8 +62,7 @@ fn expected_rms_is_the_root_of_the_area() {
     for expected in &nulling.sites["weekday-day"].expected {
         let [low, high] = expected.band_hz;
         assert!((low - 1.0 / expected.length_s).abs() < 1e-12 && high == 50.0);
-        // A ln(f₂/f₁), and white noise in the three bands: to 0.08 Hz at 0.2 Hz, to 0.8 Hz at 2 Hz, to 50 Hz
-        // at 128 Hz.
+        // A ln(f₂/f₁), and white noise in the bands: to 0.08 Hz at 0.2 Hz, 0.8 Hz at 2 Hz, 50 Hz at 128 Hz.
         let white: f64 = [(0.0, 0.08, 0.2), (0.08, 0.8, 2.0), (0.8, 50.0, 128.0)]
             .iter()
             .map(|(from, to, rate)| {

@@ -91,8 +91,7 @@ pub fn found(departures: &[Departure]) -> Vec<&str> {
     departures.iter().filter(|one| one.found).map(|one| one.departure.as_str()).collect()
 }
 
-/// A plan for sensors in three coils, with the block and the coils along the axes; what a test varies is put
-/// in.
+/// A plan for sensors in three coils, with the block and the coils along the axes.
 pub fn plan(seed: u64, sensors: &[&str], noise: &Value, effects: Vec<Value>, procedures: Value) -> Value {
     let coil = json!({"resistor_ohm": 1.0, "max_nt": 65000});
     let known = json!({"constant_nt_per_a": 41000.0, "offset_nt": 0.0});
@@ -144,8 +143,7 @@ pub fn calibrated(document: Document) -> Document {
     sensorcal::run(document, &sensorcal::Options::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// What is to be said of intervals whose share that holds the truth does not agree with a band, where so many
-/// are judged together.
+/// What is to be said of intervals that do not hold the truth as often as a band says, of so many judged.
 pub fn outside(name: &str, held: &[bool], band: [f64; 2], judged: usize) -> Option<String> {
     let inside = held.iter().filter(|held| **held).count();
     let share = inside as f64 / held.len() as f64;

@@ -1,5 +1,4 @@
-//! Coverage of a lag, of temperatures at which no sensor changes, and of the error budget, over simulated
-//! campaigns. FLUXCAL_CAMPAIGNS sets how many.
+//! Coverage of a lag, of extrema of temperature, and of the error budget (FLUXCAL_CAMPAIGNS campaigns).
 
 use common::{Axis, Document, Quantity};
 use noise::Stream;
@@ -106,8 +105,7 @@ fn common_extrema_cover() {
 /// Terms of the error budget beside the field that a sensor with the true constants would be taken to see.
 #[test]
 fn the_error_budget_covers() {
-    // ppm/K, ppm/K², nT/K, nT/K² of the sensor; nT of the squares of both fields across, ppm-like nT of the
-    // sensitivity with them.
+    // ppm/K, ppm/K², nT/K, nT/K² of the sensor; nT of squares across, and of the sensitivity with them.
     let (thermal, cross) = ([28.0, 0.3, 0.05, 0.002], [1.5, 0.8, 0.6, -0.5]);
     let run = |seed: u64| {
         let effect = |name: &str, values: Value| json!({"effect": name, "sensor": "x", "parameters": values});

@@ -1,5 +1,4 @@
-//! Coverage of every interval over simulated campaigns, under white noise, flicker noise and a random walk.
-//! FLUXCAL_CAMPAIGNS sets how many.
+//! Coverage under white noise, flicker noise and a random walk (FLUXCAL_CAMPAIGNS campaigns).
 
 use common::{Axis, Quantity};
 use indexmap::IndexMap;
@@ -157,8 +156,7 @@ fn missed(setting: &Setting, seed: u64) -> IndexMap<String, f64> {
 }
 
 /// Intervals that say "at least": what wanders from date to date is seen little, so that they allow for more
-/// than there is. Offsets by reversals of a noise that nobody states take the wider of two intervals, and so
-/// do the dates that are made of them.
+/// than there is. Reversals of unknown noise, and dates made of them, take the wider of two intervals.
 const AT_LEAST: [&str; 5] = ["trend", "annual cosine", "annual sine", "O by reversals", "drift mean"];
 
 /// Share of the campaigns in which each interval covers.

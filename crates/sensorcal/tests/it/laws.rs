@@ -1,9 +1,9 @@
-//! Laws over drawn campaigns: what does not matter to a sensor's constants, and what changes them in a known
-//! way. FLUXCAL_CAMPAIGNS sets how many.
+//! Laws over drawn campaigns (FLUXCAL_CAMPAIGNS sets how many): what leaves a sensor's constants, what acts.
 //!
 //! Not asked here: that a recording in two is the same. The noise of a coil's field and of a sensor has
 //! memory within a recording, a shield's field is another one in each, and a spectrum is of one series.
 
+use rayon::prelude::*;
 use sensorcal::Options;
 use serde_json::{Value, json};
 use testkit::laws::{self, Close};
@@ -58,33 +58,22 @@ fn each(law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(2)).for_each(|seed| law(seed, &campaign(&acting(seed))));
 }
 
-/// A change of the document, by the campaign, changes the answer alike.
-fn commutes(name: &str, change: impl Fn(&Value, u64) -> Value, close: &Close) {
-    each(|seed, document| laws::commutes(name, document, |document| change(document, seed), run, close));
-}
-
 #[test]
-fn the_names_of_the_axes_do_not_matter() {
-    commutes("rename", |document, _| laws::rename_axes(document), &Close::SOLVED);
+fn changes_of_the_document_change_the_answer_alike() {
+    let laws: [(&str, fn(&Value, u64) -> Value, Close); 4] = [
+        ("names of the axes", |document, _| laws::rename_axes(document), Close::SOLVED),
+        ("volts and amperes", |document, _| laws::scale_volts(document, 0.73), Close::SOLVED),
+        ("frame", |document, seed| laws::rotate_geo(document, &laws::rotation(seed)), Close::SOLVED),
+        ("order of recordings", laws::reorder, Close::EXACT),
+    ];
+    each(|seed, document| {
+        laws.par_iter().for_each(|(name, change, close)| {
+            laws::commutes(name, document, |document| change(document, seed), run, close);
+        });
+    });
 }
 
-#[test]
-fn volts_and_amperes_by_another_measure_scale_the_sensitivities() {
-    commutes("volts", |document, _| laws::scale_volts(document, 0.73), &Close::SOLVED);
-}
-
-#[test]
-fn the_frame_of_the_laboratory_does_not_matter() {
-    commutes("geo", |document, seed| laws::rotate_geo(document, &laws::rotation(seed)), &Close::SOLVED);
-}
-
-#[test]
-fn the_order_of_recordings_does_not_matter() {
-    commutes("order", laws::reorder, &Close::EXACT);
-}
-
-/// A temperature at which nothing changes is the ratio of two coefficients; where both are noise, so is their
-/// ratio, of any size.
+/// A temperature at which nothing changes is the ratio of two coefficients, which both may be noise.
 const RATIOS: &[&str] = &["extrema_c"];
 
 #[test]
@@ -104,8 +93,7 @@ fn unknown_keys_change_nothing_and_stay() {
     each(|_, document| laws::keeps_unknown_keys(document, run));
 }
 
-/// The answers to a document with another reference are those to the document, moved: they predict the same
-/// readings.
+/// The answers at another reference are those at the first, moved: they predict the same readings.
 #[test]
 fn a_reference_temperature_moves_the_constants_and_no_field() {
     let parts = |document: &Value| {

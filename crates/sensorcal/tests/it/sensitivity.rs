@@ -6,8 +6,7 @@ use crate::build::{self, K, change, near, sensitivity, sensor, sweep, with};
 
 #[test]
 fn the_report_s_uncertainties() {
-    // NASA eq. 23 to 25: 0 to 50 000 nT in 500 nT steps at 5 000 nT/V: (C⁻¹)₀₀ = 0.03902, (C⁻¹)₁₁ =
-    // 0.0011648.
+    // NASA eq. 23 to 25, 0 to 50 000 nT by 500 nT, 5 000 nT/V: (C⁻¹)₀₀ = 0.03902, (C⁻¹)₁₁ = 0.0011648.
     let fields: Vec<f64> = (0..101).map(|i| 500.0 * f64::from(i)).collect();
     let mut document = with(vec![sensitivity(1, &fields, 1.0, |b| b)]);
     document["instrument"] = json!({"nominal_sensitivity_nt_per_v": 5000.0, "noise": {"white_rms_nt": 1.0}});
@@ -80,17 +79,20 @@ fn a_straight_sensor_stays_straight() {
 
 #[test]
 fn what_was_found_is_adopted_under_the_catalogue_s_name() {
-    let document = with(vec![sensitivity(3, &sweep(50_000.0, 101), 0.1, |b| b - 2.0 * (b / 5e4).powi(3))]);
-    let found = build::run(&document).expect("calibrated");
-    let model = found.model.as_ref().expect("a model");
-    assert_eq!(model.effects.len(), 1);
-    assert_eq!(model.effects[0].effect, "cubic_nonlinearity");
-    let size = model.effects[0].parameters["departure_nt"].value();
-    assert!((size + 2.0).abs() < 0.2, "{size}");
-    // A second run finds the same and does not put it there twice.
-    let again = build::calibrated(found.clone());
-    assert_eq!(again.model, found.model);
-    assert_eq!(again.calibration, found.calibration);
+    let stated = json!({"effect": "cubic_nonlinearity", "sensor": "x", "parameters": {"departure_nt": -1.8}});
+    for effects in [json!([]), json!([stated])] {
+        let reads = |b: f64| b - 2.0 * (b / 5e4).powi(3);
+        let mut document = with(vec![sensitivity(3, &sweep(50_000.0, 101), 0.1, reads)]);
+        document["model"] = json!({ "effects": effects });
+        let found = build::run(&document).expect("calibrated");
+        let [effect] = &found.model.as_ref().expect("a model").effects[..] else { panic!("one effect") };
+        assert_eq!(effect.effect, "cubic_nonlinearity");
+        let size = effect.parameters["departure_nt"].value();
+        assert!((size + 2.0).abs() < 0.2, "{size}");
+        // A second run finds the same and does not put it there twice.
+        let again = build::calibrated(found.clone());
+        assert_eq!((again.model, again.calibration), (found.model, found.calibration));
+    }
 }
 
 #[test]
@@ -103,6 +105,11 @@ fn a_clipped_output_is_told_and_left_out() {
     assert!((saturation.readings[1].expect("above") * K - 45_500.0).abs() < 1e-6);
     assert_eq!(fit.model, "line");
     assert!(fit.findings.iter().any(|finding| finding.contains("is saturated")), "{:?}", fit.findings);
+    // One reading alone.
+    let fit = sensor(&with(vec![sensitivity(15, &sweep(50_000.0, 101), 0.1, |b| b.min(49_700.0))]));
+    let fit = fit.sensitivity.expect("a fit");
+    assert_eq!(fit.saturation.as_ref().expect("a saturation").count, 1);
+    assert!(fit.noise.rms_nt < 0.2, "{}", fit.noise.rms_nt);
 }
 
 #[test]
@@ -148,25 +155,6 @@ fn readings_without_any_noise_give_numbers() {
     let found = sensor(&with(vec![sensitivity(14, &sweep(50_000.0, 41), 0.0, |b| b - 2.0)]));
     let k = found.sensitivity_nt_per_v.expect("k");
     assert!((k.value() - K).abs() < 1e-6 && k.std().expect("a std") < 1e-6, "{k:?}");
-}
-
-#[test]
-fn one_clipped_reading_is_told() {
-    let fit = sensor(&with(vec![sensitivity(15, &sweep(50_000.0, 101), 0.1, |b| b.min(49_700.0))]));
-    let fit = fit.sensitivity.expect("a fit");
-    assert_eq!(fit.saturation.as_ref().expect("a saturation").count, 1);
-    assert!(fit.noise.rms_nt < 0.2, "{}", fit.noise.rms_nt);
-}
-
-#[test]
-fn an_effect_that_was_stated_is_not_there_twice() {
-    let mut document =
-        with(vec![sensitivity(16, &sweep(50_000.0, 101), 0.1, |b| b + 2.0 * (b / 5e4).powi(3))]);
-    document["model"] = json!({"effects": [{"effect": "cubic_nonlinearity", "sensor": "x", "parameters": {"departure_nt": 1.8}}]});
-    let found = build::run(&document).expect("calibrated");
-    let effects = found.model.expect("a model").effects;
-    assert_eq!(effects.len(), 1);
-    assert!((effects[0].parameters["departure_nt"].value() - 2.0).abs() < 0.2);
 }
 
 #[test]

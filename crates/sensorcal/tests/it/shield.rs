@@ -24,8 +24,7 @@ fn reversals(seed: u64, pairs: usize, noise: f64, bad: Option<usize>) -> Value {
 
 #[test]
 fn by_hand() {
-    // NASA eq. 26 with its sign right: V₁ = (4 − 1.5)/k, V₂ = (−4 − 1.5)/k give O = −k (V₁ + V₂)/2 = 1.5 nT.
-    // A drift of the shield falls out of + − − +.
+    // NASA eq. 26, sign right: V = (±4 − 1.5)/k, O = −k (V₁ + V₂)/2 = 1.5 nT; the shield's drift drops out.
     let found = sensor(&with(vec![reversals(1, 10, 1e-6, None)]));
     let reversal = found.reversal.expect("reversals");
     assert!((reversal.offset_nt.value() - 1.5).abs() < 1e-5);
@@ -60,8 +59,7 @@ fn noise(seed: u64, rows: usize, step: f64, white: f64, code: f64) -> Value {
 
 #[test]
 fn was_it_the_sensor_or_the_quantiser() {
-    // Codes of 0.064 nT: rounding is 0.0185 nT rms. Noise of 0.2, 0.03 and 0.02 nT makes it 1, 28 and 46 % of
-    // the whole.
+    // Codes of 0.064 nT round by 0.0185 nT rms: beside noise of 0.2, 0.03 and 0.02 nT 1, 28 and 46 %.
     for (white, verdict) in [(0.2, "sensor"), (0.03, "both")] {
         let noise = sensor(&with(vec![noise(3, 20_000, 0.01, white, 1e-5)])).noise.expect("noise");
         let series = &noise.series[0];
@@ -135,8 +133,7 @@ fn a_drift_follows_the_temperature_that_was_recorded() {
 
 #[test]
 fn coarse_codes_do_not_make_an_offset_sure() {
-    // Codes of 1.92 nT, nothing else: all pairs read the same, and the offset is rounded by as much as half a
-    // code.
+    // Codes of 1.92 nT, nothing else: all pairs read the same, and the offset is rounded by half a code.
     let mut reversal = reversals(5, 10, 0.0, None);
     reversal["columns"].as_object_mut().expect("columns").remove("time_s");
     change(&mut reversal, "sensor_x_v", |_, volts| (volts / 3e-4).round() * 3e-4);
@@ -149,8 +146,7 @@ fn coarse_codes_do_not_make_an_offset_sure() {
 
 #[test]
 fn few_pairs_of_unknown_noise_cover() {
-    // Two to ten pairs, white noise that nobody states, with times: 95 % intervals cover in 90 % of 300 at
-    // least.
+    // White noise that nobody states: 95 % intervals cover in 90 % of 300 at least.
     for pairs in [2, 3, 5, 10] {
         let mut covered = 0;
         for seed in 0..300 {

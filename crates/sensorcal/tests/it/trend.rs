@@ -1,5 +1,4 @@
-//! Coverage of trend and yearly term of weekly offsets that wander by more or less than their own errors.
-//! FLUXCAL_CAMPAIGNS sets how many campaigns.
+//! Coverage of trend and yearly term of weekly offsets that wander (FLUXCAL_CAMPAIGNS campaigns).
 
 use common::{Axis, OffsetDrift};
 use rayon::prelude::*;
@@ -42,8 +41,7 @@ fn covered(wander: &Value) -> [Vec<bool>; 3] {
     [0, 1, 2].map(|which| all.iter().map(|held| held[which]).collect())
 }
 
-/// The interval says "at least": 93 % or more whatever the wander is, and no more than 97 % where a random
-/// walk is seen.
+/// The interval says "at least": 93 % or more, and no more than 97 % where a random walk is seen.
 #[test]
 fn trend_and_year_cover_whatever_wanders() {
     let own = WHITE_NT * WHITE_NT / (2 * PAIRS) as f64;
