@@ -8,9 +8,10 @@ use estimate::stats;
 use nalgebra::{Complex, DMatrix, DVector, Vector3};
 use physics::{Basic, Context};
 use std::collections::HashMap;
-use std::sync::{PoisonError, RwLock};
+use std::hash::Hash;
+use std::sync::{Arc, PoisonError, RwLock};
 
-use crate::added::Added;
+use crate::modelled::Added;
 use crate::observations::{Observation, Observations, sensor_column};
 use crate::{Error, Result};
 
@@ -35,40 +36,25 @@ pub struct AcRun {
     sensors: Vec<(Axis, Complex<f64>, f64)>,
 }
 
-/// Sines already fitted to the channels of AC runs. The readings stay the same however often effects are
-/// subtracted, so that each is fitted once.
+/// Sines fitted to the channels of AC runs: however often effects are subtracted, each is fitted once.
 #[derive(Default)]
 pub struct Fits {
     sines: RwLock<HashMap<(usize, String), Sine>>,
-    bases: RwLock<HashMap<usize, Basis>>,
+    /// By recording, whose times are those of all its series.
+    bases: RwLock<HashMap<usize, Arc<Basis>>>,
 }
 
-impl Fits {
-    fn sine(&self, recording: usize, column: &str, fit: impl FnOnce() -> Result<Sine>) -> Result<Sine> {
-        let key = (recording, column.to_string());
-        if let Some(sine) = self.sines.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
-            return Ok(*sine);
-        }
-        let sine = fit()?;
-        self.sines.write().unwrap_or_else(PoisonError::into_inner).insert(key, sine);
-        Ok(sine)
+fn once<K: Eq + Hash, V: Clone, E>(
+    made: &RwLock<HashMap<K, V>>,
+    key: K,
+    make: impl FnOnce() -> Result<V, E>,
+) -> Result<V, E> {
+    if let Some(value) = made.read().unwrap_or_else(PoisonError::into_inner).get(&key) {
+        return Ok(value.clone());
     }
-
-    /// The coefficients of cos ωt and sin ωt in a series of the times of a recording.
-    fn cos_sin(
-        &self,
-        recording: usize,
-        (time, hz): (&[f64], f64),
-        values: &[f64],
-    ) -> Result<[f64; 2], estimate::Error> {
-        if let Some(basis) = self.bases.read().unwrap_or_else(PoisonError::into_inner).get(&recording) {
-            return Ok(basis.cos_sin(values));
-        }
-        let basis = Basis::new(time, hz)?;
-        let found = basis.cos_sin(values);
-        self.bases.write().unwrap_or_else(PoisonError::into_inner).insert(recording, basis);
-        Ok(found)
-    }
+    let value = make()?;
+    made.write().unwrap_or_else(PoisonError::into_inner).insert(key, value.clone());
+    Ok(value)
 }
 
 /// Fits a sine of the known frequency to every channel of a run, less what effects add to it. The run stands
@@ -101,7 +87,7 @@ pub fn run(
         Error::document(format!("{path}.columns.{column}"), found, expected)
     };
     let fit = |values: &[f64], column: &str, quantiser: Option<Quantiser>| {
-        fits.sine(recording, column, || {
+        once(&fits.sines, (recording, column.to_string()), || {
             sine::fit(time, values, hz, quantiser).map_err(|error| undetermined(column, error))
         })
     };
@@ -137,7 +123,8 @@ pub fn run(
         let mut phasor = Complex::new(sine.cos, -sine.sin) * turn * sensitivity;
         if let Some(added_nt) = added.along(recording, sensor) {
             let [cos, sin] = if added_nt.iter().chain(time).all(|value| value.is_finite()) {
-                fits.cos_sin(recording, (time, hz), &added_nt)
+                once(&fits.bases, recording, || Basis::new(time, hz).map(Arc::new))
+                    .map(|basis| basis.cos_sin(&added_nt))
             } else {
                 sine::fit(time, &added_nt, hz, None).map(|sine| [sine.cos, sine.sin])
             }
@@ -203,8 +190,7 @@ pub fn join(runs: Vec<AcRun>, all: &mut Observations) -> Result<()> {
     Ok(())
 }
 
-/// The phase with which a sensor answers, from all runs of one frequency; its standard uncertainty is
-/// σ/√Σ|z|².
+/// A sensor's phase, from all runs of one frequency; its standard uncertainty is σ/√Σ|z|².
 fn phase(sensor: Axis, hz: f64, phasors: &[(&AcRun, Complex<f64>, f64)]) -> Result<PhaseResult> {
     let mut orientations: Vec<usize> = phasors.iter().map(|(run, ..)| run.orientation).collect();
     orientations.sort_unstable();

@@ -9,7 +9,6 @@ use crate::freedom::{residual_field_std, separates_constants};
 use crate::unknowns::{Unknown, turns};
 use crate::{AxesProblem, Freedom, Observations, Solution};
 
-/// Everything that was assumed, with its bound.
 pub fn list(document: &Document, observations: &Observations, solution: &Solution) -> Vec<Assumption> {
     let mut list = Vec::new();
     let constant = observations.readings.iter().any(|reading| reading.constant);
@@ -76,8 +75,7 @@ fn shift(
     shift
 }
 
-/// Largest turn of any direction for an error of unit length: the largest singular value over each
-/// direction's pair of rows.
+/// Largest turn of any direction for an error of unit length (singular value of a direction's pair of rows).
 fn largest(shift: &DMatrix<f64>) -> f64 {
     (0..shift.nrows() / 2)
         .map(|direction| {

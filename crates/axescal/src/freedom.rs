@@ -63,8 +63,7 @@ pub fn drive(document: &Document, coil: Axis) -> By {
     uncertainty::drive(document, coil, constant(document, coil), mine)
 }
 
-/// Standard uncertainties of a coil's calculated field, as a share of the drive and as a constant, nT; None
-/// where none is stated.
+/// Standard uncertainties of a coil's calculated field, as a share of the drive and constant, nT, if stated.
 pub fn drive_std(document: &Document, joint: &Uncertainty, coil: Axis) -> [Option<f64>; 2] {
     let covariance = joint.covariance_by(&drive(document, coil));
     let std = |which: usize| Some(covariance[(which, which)].sqrt()).filter(|std| *std > 0.0);
@@ -81,8 +80,7 @@ pub fn residual_field_std(document: &Document) -> Option<f64> {
 const NEGLIGIBLE_NT: f64 = 1e-9;
 
 /// Whether in some orientation the drives read by a sensor tell a constant from a field in proportion to the
-/// drive: zero or reversed drives were recorded. The rows (B_c, 1) then have one rank more than the drives
-/// alone.
+/// drive: with zero or reversed drives the rows (B_c, 1) have one rank more than the drives.
 pub fn separates_constants(observations: &Observations, sensor: Axis) -> bool {
     let largest = observations.largest_drive_nt();
     let driven = |axis: Axis| f64::from(observations.coils.contains(&axis));

@@ -1,5 +1,4 @@
-//! What the directions owe to what was known before: the constants of coils and sensors, resistor and
-//! voltmeter, the effects of the model.
+//! What the directions owe to what was known before: constants, resistor, voltmeter, effects.
 //!
 //! The fit holds an unknown u with prior knowledge to zero by the weight P. Where the truth is x instead, all
 //! unknowns err by −C P x. A constant of the document that errs by δ makes x = δ ∂x/∂constant, so its sources
@@ -8,7 +7,7 @@
 
 use common::covariance;
 use common::uncertainty::{self, Block, By};
-use common::{Axis, Document, PerAxis, Quantity, Uncertainty};
+use common::{Axis, Document, PerAxis, Uncertainty};
 use estimate::stats;
 use faer::{ColRef, Mat};
 
@@ -16,8 +15,7 @@ use crate::freedom::{constant, drive};
 use crate::unknowns::{Unknown, place};
 use crate::{AxesProblem, AxesState, Error, Observations, Result, Solution};
 
-/// The covariance of the unknowns, split: what is the readings' and theodolites' own, and how the unknowns
-/// err with parameters of the document.
+/// The covariance of the unknowns, split: what the readings and theodolites make, and what parameters do.
 pub struct Split {
     own: Mat<f64>,
     by: By,
@@ -77,8 +75,7 @@ fn truths(document: &Document, (observations, state): (&Observations, &AxesState
     }
 }
 
-/// Takes the directions, and the constants that were found with them, into the joint uncertainty of the
-/// document.
+/// Takes the directions, and the constants found with them, into the document's joint uncertainty.
 pub fn adopt(
     document: &mut Document,
     observations: &Observations,
@@ -86,12 +83,9 @@ pub fn adopt(
     split: &Split,
 ) -> Result<()> {
     let count = solution.meaning.len();
-    let mut parameters = Vec::new();
-    let mut rows: Vec<Vec<f64>> = Vec::new();
-    for (name, map) in ["sensors", "coils"].into_iter().zip(solution.turns(observations)) {
-        parameters.extend(uncertainty::directions(name));
-        rows.extend(covariance::rows(&map));
-    }
+    let mut parameters =
+        ["sensors", "coils"].map(uncertainty::directions).into_iter().flatten().collect::<Vec<_>>();
+    let mut rows: Vec<Vec<f64>> = solution.turns(observations).iter().flat_map(covariance::rows).collect();
     // What is to be added to an offset errs against the unknown, the field with it.
     for (path, unknown, sign) in constants(document) {
         if let Some(place) = place(&solution.meaning, unknown) {
@@ -111,34 +105,31 @@ pub fn adopt(
             by: split.by.iter().map(|(path, by)| (path.clone(), of(by))).collect(),
         })
         .map_err(|found| Error::Unanswerable(format!("the covariance of the directions is {found}")))?;
-    if let Some(axes) = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut()) {
-        for (each, path) in [
-            (&mut axes.offsets_nt, uncertainty::added_offset as fn(Axis) -> String),
-            (&mut axes.residual_field_nt, uncertainty::residual_field),
-        ] {
-            for axis in Axis::ALL {
-                if let Some(quantity) = each.as_mut().and_then(|each| each.entry(axis).as_mut()) {
-                    let freedom = joint.degrees_of_freedom(&path(axis));
-                    *quantity = quantity.clone().covered_by(stats::coverage_factor(0.95, freedom));
-                }
+    let calibration = document.calibration.get_or_insert_default();
+    let axes = calibration.axes.get_or_insert_default();
+    for (each, path) in [
+        (&mut axes.offsets_nt, uncertainty::added_offset as fn(Axis) -> String),
+        (&mut axes.residual_field_nt, uncertainty::residual_field),
+    ] {
+        for axis in Axis::ALL {
+            if let Some(quantity) = each.as_mut().and_then(|each| each.entry(axis).as_mut()) {
+                let freedom = joint.degrees_of_freedom(&path(axis));
+                *quantity = quantity.clone().covered_by(stats::coverage_factor(0.95, freedom));
             }
         }
     }
-    document.calibration.get_or_insert_default().uncertainty = Some(joint);
+    calibration.uncertainty = Some(joint);
     Ok(())
 }
 
 /// The offsets and the components of the residual field that were written: their paths, the unknowns, and the
 /// signs with which the unknowns' errors are theirs.
 fn constants(document: &Document) -> Vec<(String, Unknown, f64)> {
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    let written = |each: Option<&PerAxis<Quantity>>| -> Vec<Axis> {
-        each.into_iter().flat_map(|each| each.iter().map(|(axis, _)| axis)).collect()
-    };
-    let offsets = written(axes.and_then(|axes| axes.offsets_nt.as_ref())).into_iter();
-    let field = written(axes.and_then(|axes| axes.residual_field_nt.as_ref())).into_iter();
-    let offsets = offsets.map(|axis| (uncertainty::added_offset(axis), Unknown::Offset(axis), -1.0));
-    let field =
-        field.map(|axis| (uncertainty::residual_field(axis), Unknown::ResidualField(axis.index()), 1.0));
-    offsets.chain(field).collect()
+    let axes = document.calibration.iter().flat_map(|calibration| &calibration.axes);
+    let offsets = axes.clone().flat_map(|axes| &axes.offsets_nt).flat_map(PerAxis::iter);
+    let field = axes.flat_map(|axes| &axes.residual_field_nt).flat_map(PerAxis::iter);
+    let offset = |(axis, _)| (uncertainty::added_offset(axis), Unknown::Offset(axis), -1.0);
+    let component =
+        |(axis, _): (Axis, _)| (uncertainty::residual_field(axis), Unknown::ResidualField(axis.index()), 1.0);
+    offsets.map(offset).chain(field.map(component)).collect()
 }

@@ -10,9 +10,7 @@
 //! residual field stay in with their priors.
 
 mod ac;
-mod added;
 mod assumptions;
-mod certainty;
 mod checks;
 pub mod design;
 mod doubts;
@@ -35,17 +33,15 @@ mod unknowns;
 mod words;
 
 pub use common::Error;
-pub use model::AxesProblem;
-pub use observations::{NoiseFactors, Observations};
-use observations::{NoiseSource, Observation, OrientationGroup};
-pub use observe::observe;
 pub use options::{Options, Start};
-use solve::{Solution, solve};
-pub use unknowns::{AxesState, Freedom};
 pub use words::summary;
 
 use common::{AxesCalibration, Document};
+use model::AxesProblem;
 use modelled::Modelled;
+use observations::{NoiseFactors, NoiseSource, Observation, Observations, OrientationGroup};
+use solve::{Solution, solve};
+use unknowns::{AxesState, Freedom};
 
 type Result<T, E = Error> = std::result::Result<T, E>;
 

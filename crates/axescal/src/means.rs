@@ -1,5 +1,4 @@
-//! Readings of one drive count as their mean where noise with memory is declared: neighbours err together,
-//! and so do means that follow each other.
+//! Readings of one drive count as their mean where noise with memory is declared: neighbours err together.
 
 use common::Noise;
 use nalgebra::{DMatrix, Vector3};
@@ -11,8 +10,7 @@ use crate::Observations;
 const SAME_DRIVE: f64 = 1e-3;
 /// Of more drives than this in one recording, each reading counts by itself.
 const MOST_DRIVES: usize = 400;
-/// Terms of the series for the rounding that readings of one drive have in common; each falls with the square
-/// of its number.
+/// Terms of the series for the rounding that readings of one drive share; they fall as one over k².
 const TERMS: usize = 40;
 
 /// The readings of one block and the Cholesky root of their correlation.
@@ -29,8 +27,7 @@ pub fn has_memory(noise: &Noise) -> bool {
     sizes.into_iter().flatten().any(|size| size > 0.0)
 }
 
-/// Rows of one drive each, one after the other, and the covariance of their means; None where each row counts
-/// by itself.
+/// Rows of one drive each, one after the other, and the covariance of their means; None: each row counts.
 pub fn means(
     noises: &[&Noise],
     time_s: Option<&[f64]>,
@@ -105,8 +102,7 @@ pub fn blocks(all: &Observations) -> Vec<Block> {
     blocks
 }
 
-/// Takes what readings have in common out of a column over the readings, each in units of its own standard
-/// deviation: L⁻¹ of each block.
+/// L⁻¹ of each block: takes what readings have in common out of a column in units of their deviations.
 pub fn whiten(blocks: &[Block], column: &mut [f64]) {
     for Block { first, root } in blocks {
         for row in 0..root.nrows() {

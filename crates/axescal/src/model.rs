@@ -8,94 +8,59 @@ use physics::frames::{small_rotation, tangents, turned};
 use physics::reading;
 
 use crate::means::{self, Block};
-use crate::unknowns::{KnownCoils, Unknown};
+use crate::unknowns::{KnownCoils, Unknown, place};
 use crate::{AxesState, Freedom, NoiseFactors, Observation, Observations};
 
 /// M = (1 + a_i) m_i · R(γ) (Σ_j (1 + c_j) B_j n_j + e) + o_i, residuals over their standard deviation and
 /// free of what they have in common, followed by one row of prior knowledge for each unknown that has any.
 pub struct AxesProblem<'a> {
-    /// The readings.
     pub observations: &'a Observations,
-    /// Factor on their standard deviations.
     pub noise: NoiseFactors,
-    /// What each component of the step means.
     pub meaning: Vec<Unknown>,
-    place: Places,
     /// The unknowns with prior knowledge, by their place, each with the inverse of its standard uncertainty.
     pub priors: Vec<(usize, f64)>,
     blocks: Vec<Block>,
     known_coils: Option<&'a KnownCoils>,
 }
 
-/// Where each kind of unknown begins in the step; None where it does not move.
-#[derive(Default)]
-struct Places {
-    sensor: [Option<usize>; 3],
-    coil: [Option<usize>; 3],
-    sensor_scale: [Option<usize>; 3],
-    coil_scale: [Option<usize>; 3],
-    corrections: Option<usize>,
-    residual_field: Option<usize>,
-    offset: [Option<usize>; 3],
-}
-
 impl<'a> AxesProblem<'a> {
-    /// The problem for readings with a given freedom.
     pub fn new(observations: &'a Observations, freedom: &'a Freedom, noise: NoiseFactors) -> Self {
-        let mut unknowns = Vec::new();
-        let mut priors = Vec::new();
-        let mut add = |unknown: Unknown, prior: Option<f64>| {
-            unknowns.push(unknown);
-            let place = unknowns.len() - 1;
-            priors.extend(prior.filter(|std| std.is_finite()).map(|std| (place, 1.0 / std)));
-            place
+        // With the standard uncertainty of what is known beforehand; the directions have none.
+        let mut unknowns: Vec<(Unknown, f64)> = Vec::new();
+        let turns = |axes: &[Axis], unknown: fn(Axis, usize) -> Unknown| -> Vec<(Unknown, f64)> {
+            axes.iter().flat_map(|axis| [0, 1].map(|k| (unknown(*axis, k), f64::INFINITY))).collect()
         };
-        let mut place = Places::default();
-        for &axis in &observations.sensors {
-            place.sensor[axis.index()] = Some(add(Unknown::Sensor(axis, 0), None));
-            add(Unknown::Sensor(axis, 1), None);
-        }
+        let constants = |axes: &[Axis], unknown: fn(Axis) -> Unknown, stds: [Option<f64>; 3]| {
+            let one = |axis: &Axis| Some((unknown(*axis), stds[axis.index()]?));
+            axes.iter().filter_map(one).collect::<Vec<(Unknown, f64)>>()
+        };
+        let Observations { sensors, coils, orientations, .. } = observations;
         let fixed = freedom.known_coils.as_ref().is_some_and(|known| known.whitening.is_none());
-        for &axis in observations.coils.iter().filter(|_| !fixed) {
-            place.coil[axis.index()] = Some(add(Unknown::Coil(axis, 0), None));
-            add(Unknown::Coil(axis, 1), None);
+        unknowns.extend(turns(sensors, Unknown::Sensor));
+        unknowns.extend(turns(if fixed { &[] } else { coils }, Unknown::Coil));
+        unknowns.extend(constants(sensors, Unknown::SensorScale, freedom.sensor_scale));
+        unknowns.extend(constants(coils, Unknown::CoilScale, freedom.coil_scale));
+        let turning = if freedom.orientations { orientations.len() } else { 0 };
+        for orientation in 0..turning {
+            unknowns.extend([0, 1, 2].map(|k| (Unknown::Correction(orientation, k), 1.0)));
         }
-        for &axis in &observations.sensors {
-            if let Some(std) = freedom.sensor_scale[axis.index()] {
-                place.sensor_scale[axis.index()] = Some(add(Unknown::SensorScale(axis), Some(std)));
-            }
-        }
-        for &axis in &observations.coils {
-            if let Some(std) = freedom.coil_scale[axis.index()] {
-                place.coil_scale[axis.index()] = Some(add(Unknown::CoilScale(axis), Some(std)));
-            }
-        }
-        if freedom.orientations {
-            for orientation in 0..observations.orientations.len() {
-                for k in 0..3 {
-                    let at = add(Unknown::Correction(orientation, k), Some(1.0));
-                    place.corrections.get_or_insert(at);
-                }
-            }
-        }
-        for (k, std) in freedom.residual_field.iter().flatten().enumerate() {
-            let at = add(Unknown::ResidualField(k), Some(*std));
-            place.residual_field.get_or_insert(at);
-        }
-        for &axis in &observations.sensors {
-            if let Some(std) = freedom.offsets[axis.index()] {
-                place.offset[axis.index()] = Some(add(Unknown::Offset(axis), Some(std)));
-            }
-        }
+        let field = freedom.residual_field.iter().flatten().enumerate();
+        unknowns.extend(field.map(|(k, std)| (Unknown::ResidualField(k), *std)));
+        unknowns.extend(constants(sensors, Unknown::Offset, freedom.offsets));
+        let known = unknowns.iter().enumerate().filter(|(_, (_, std))| std.is_finite());
         Self {
             observations,
             noise,
-            meaning: unknowns,
-            place,
-            priors,
+            priors: known.map(|(place, (_, std))| (place, 1.0 / std)).collect(),
+            meaning: unknowns.into_iter().map(|(unknown, _)| unknown).collect(),
             blocks: means::blocks(observations),
             known_coils: freedom.known_coils.as_ref().filter(|_| !fixed),
         }
+    }
+
+    /// Where an unknown stands in the step; None where it does not move.
+    fn place(&self, unknown: Unknown) -> Option<usize> {
+        place(&self.meaning, unknown)
     }
 
     /// The rows of prior knowledge, each with its unknown.
@@ -109,19 +74,23 @@ impl<'a> AxesProblem<'a> {
         self.observations.readings.len() + self.priors.len()..self.rows()
     }
 
-    /// Takes what the errors of readings have in common out of a column over them, each in units of its own
-    /// standard deviation.
-    pub(crate) fn whiten(&self, column: &mut [f64]) {
+    /// Takes what the errors of readings have in common out of a column in units of their deviations.
+    pub fn whiten(&self, column: &mut [f64]) {
         means::whiten(&self.blocks, column);
     }
 
     /// Standard deviation of a reading, nT.
-    pub(crate) fn std_nt(&self, reading: &Observation) -> f64 {
+    fn std_nt(&self, reading: &Observation) -> f64 {
         reading.std_nt * self.noise.of(reading)
     }
 
+    pub fn mean_std_nt(&self) -> f64 {
+        let readings = &self.observations.readings;
+        readings.iter().map(|reading| self.std_nt(reading)).sum::<f64>() / readings.len() as f64
+    }
+
     /// Standard deviation of a reading less what those before it say of it, nT.
-    pub(crate) fn own_std_nt(&self, reading: usize) -> f64 {
+    pub fn own_std_nt(&self, reading: usize) -> f64 {
         let own = |block: &Block| {
             let row = reading.checked_sub(block.first).filter(|row| *row < block.root.nrows())?;
             Some(block.root[(row, row)])
@@ -133,14 +102,13 @@ impl<'a> AxesProblem<'a> {
     /// R of an orientation with its correction.
     pub fn rotation(&self, state: &AxesState, orientation: usize) -> Matrix3<f64> {
         let given = &self.observations.orientations[orientation].orientation;
-        match self.place.corrections {
+        match self.place(Unknown::Correction(orientation, 0)) {
             None => given.rotation,
             Some(_) => small_rotation(&(given.uncertainty * state.corrections[orientation])) * given.rotation,
         }
     }
 
-    /// The prediction of a reading, nT, and its derivatives by the unknowns, handed to `derivative` one by
-    /// one.
+    /// The prediction of a reading, nT, and its derivatives, each given to `derivative`.
     fn predict(
         &self,
         state: &AxesState,
@@ -148,47 +116,49 @@ impl<'a> AxesProblem<'a> {
         observation: &Observation,
         mut derivative: impl FnMut(usize, f64),
     ) -> f64 {
-        let i = observation.sensor.index();
+        let sensor = observation.sensor;
+        let i = sensor.index();
         let m = state.mu.column(i).into_owned();
         let drive = observation.drive_nt.component_mul(&state.coil_scale.add_scalar(1.0));
         let left = if observation.constant { state.residual_field } else { Vector3::zeros() };
         let ambient = observation.ambient_nt + left;
         let at = reading(&m, rotation, &physics::field_geo(&state.eta, &drive, &ambient));
         let gain = 1.0 + state.sensor_scale[i];
-        if let Some(place) = self.place.sensor[i] {
+        if let Some(place) = self.place(Unknown::Sensor(sensor, 0)) {
             for (k, tangent) in tangents(&m).iter().enumerate() {
                 derivative(place + k, gain * at.by_sensor.dot(tangent));
             }
         }
-        for j in 0..3 {
+        for coil in Axis::ALL {
+            let j = coil.index();
             if observation.drive_nt[j] == 0.0 {
                 continue;
             }
             let n = state.eta.column(j).into_owned();
-            if let Some(place) = self.place.coil[j] {
+            if let Some(place) = self.place(Unknown::Coil(coil, 0)) {
                 for (k, tangent) in tangents(&n).iter().enumerate() {
                     derivative(place + k, gain * drive[j] * at.by_field.dot(tangent));
                 }
             }
-            if let Some(place) = self.place.coil_scale[j] {
+            if let Some(place) = self.place(Unknown::CoilScale(coil)) {
                 derivative(place, gain * observation.drive_nt[j] * at.by_field.dot(&n));
             }
         }
-        if let Some(place) = self.place.sensor_scale[i] {
+        if let Some(place) = self.place(Unknown::SensorScale(sensor)) {
             derivative(place, at.value);
         }
-        if let Some(first) = self.place.corrections {
+        if let Some(place) = self.place(Unknown::Correction(observation.orientation, 0)) {
             let uncertainty =
                 &self.observations.orientations[observation.orientation].orientation.uncertainty;
             let by_unit = uncertainty.transpose() * at.by_rotation * gain;
-            (0..3).for_each(|k| derivative(first + 3 * observation.orientation + k, by_unit[k]));
+            (0..3).for_each(|k| derivative(place + k, by_unit[k]));
         }
         let mut value = gain * at.value;
         if observation.constant {
-            if let Some(place) = self.place.residual_field {
+            if let Some(place) = self.place(Unknown::ResidualField(0)) {
                 (0..3).for_each(|k| derivative(place + k, gain * at.by_field[k]));
             }
-            if let Some(place) = self.place.offset[i] {
+            if let Some(place) = self.place(Unknown::Offset(sensor)) {
                 derivative(place, 1.0);
             }
             value += state.offsets[i];
@@ -199,9 +169,8 @@ impl<'a> AxesProblem<'a> {
     /// Observed less predicted for every reading, nT.
     pub fn residuals_nt(&self, state: &AxesState) -> Vec<f64> {
         let rotations = self.rotations(state);
-        let difference = |observation: &Observation| {
-            observation.value_nt
-                - self.predict(state, &rotations[observation.orientation], observation, |_, _| {})
+        let difference = |one: &Observation| {
+            one.value_nt - self.predict(state, &rotations[one.orientation], one, |_, _| {})
         };
         self.observations.readings.iter().map(difference).collect()
     }
@@ -220,9 +189,7 @@ impl<'a> AxesProblem<'a> {
     }
 
     fn rotations(&self, state: &AxesState) -> Vec<Matrix3<f64>> {
-        (0..self.observations.orientations.len())
-            .map(|orientation| self.rotation(state, orientation))
-            .collect()
+        (0..self.observations.orientations.len()).map(|number| self.rotation(state, number)).collect()
     }
 
     /// The value of an unknown that has a prior of mean zero.
@@ -248,7 +215,7 @@ impl<'a> AxesProblem<'a> {
         let Some(KnownCoils { directions, whitening: Some(whitening) }) = self.known_coils else { return };
         for (n, &axis) in self.observations.coils.iter().enumerate() {
             let (given, now) = (directions[axis.index()], state.eta.column(axis.index()).into_owned());
-            let Some(place) = self.place.coil[axis.index()] else { continue };
+            let Some(place) = self.place(Unknown::Coil(axis, 0)) else { continue };
             for (k, tangent) in tangents(&given).iter().enumerate() {
                 for row in 0..whitening.nrows() {
                     let weight = whitening[(row, 2 * n + k)];
@@ -282,14 +249,9 @@ impl Problem for AxesProblem<'_> {
         let rotations = self.rotations(state);
         for (row, observation) in self.observations.readings.iter().enumerate() {
             let weight = 1.0 / (self.std_nt(observation));
-            let predicted = self.predict(
-                state,
-                &rotations[observation.orientation],
-                observation,
-                |column, derivative| {
-                    jacobian[(row, column)] = weight * derivative;
-                },
-            );
+            let rotation = &rotations[observation.orientation];
+            let derivative = |column, derivative| jacobian[(row, column)] = weight * derivative;
+            let predicted = self.predict(state, rotation, observation, derivative);
             residual[row] = weight * (observation.value_nt - predicted);
         }
         self.whiten(residual);

@@ -1,17 +1,16 @@
-//! The effects of the document's model, and the known gradients of the coils at the sensors' places: what
-//! they add to the readings is taken off before the directions are sought, and what is uncertain about them
-//! is in the uncertainty of the directions.
+//! The effects of the document's model, and the known gradients of the coils at the sensors' places: taken
+//! off the readings beforehand, with their uncertainty in that of the directions.
 
 use common::number::significant;
 use common::uncertainty::{self, By};
-use common::{AdoptedEffect, Code, Document, Finding, Quantity};
+use common::{AdoptedEffect, Axis, Code, Document, Finding, PerAxis, Quantity, procedure};
 use faer::Mat;
 use indexmap::IndexSet;
-use physics::{EffectInstance, LeftOut, References, Role};
+use nalgebra::{Matrix3, Vector3};
+use physics::{EffectInstance, LeftOut, References, Role, Setting};
 use rayon::prelude::*;
 
-use crate::added::{Added, Directions, Places, added, effects};
-use crate::observe::observe_without;
+use crate::observe::observe;
 use crate::{AxesProblem, Observation, Observations, Options, Result, Solution, ac};
 
 const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
@@ -19,6 +18,86 @@ const GRADIENTS: &str = "the coils' known gradients at the sensors' places";
 /// Rounds in which directions and effects settle: what effects add is some 10⁻⁴ of the field, and so is what
 /// the second round leaves of what the first one had wrong.
 const ROUNDS: usize = 2;
+
+/// What effects add to the readings of the recordings, nT along each sensor; no rows where none do.
+#[derive(Clone, Debug, Default)]
+pub struct Added {
+    recordings: Vec<Vec<Vector3<f64>>>,
+    /// Effects that could not act.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Added {
+    /// The field along a sensor that effects add in each row, nT; None where none acts.
+    pub fn along(&self, recording: usize, sensor: Axis) -> Option<Vec<f64>> {
+        let rows = self.recordings.get(recording).filter(|rows| !rows.is_empty())?;
+        Some(rows.iter().map(|field| field[sensor.index()]).collect())
+    }
+
+    /// The largest of them, nT.
+    pub fn largest(&self) -> f64 {
+        let fields = self.recordings.iter().flatten().map(|field| field.amax());
+        fields.filter(|field| field.is_finite()).fold(0.0, f64::max)
+    }
+}
+
+/// Gradients of the coils and places of the sensors, as the document states them.
+#[derive(Clone)]
+pub struct Places {
+    gradient_nt_per_m_a: Vector3<f64>,
+    positions_m: Option<[Vector3<f64>; 3]>,
+    /// Whether a gradient is stated with an uncertainty.
+    uncertain: bool,
+}
+
+impl Places {
+    pub fn of(document: &Document) -> Self {
+        let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
+        let stated = |coil: Axis| coils?.get(coil)?.gradient_nt_per_m_a.as_ref();
+        let positions = document.instrument.as_ref().and_then(|instrument| instrument.positions_m.as_ref());
+        let place = |positions: &PerAxis<[f64; 3]>, sensor: Axis| {
+            Vector3::from(positions.get(sensor).copied().unwrap_or_default())
+        };
+        let std = |coil: &Axis| stated(*coil).and_then(Quantity::std);
+        Self {
+            gradient_nt_per_m_a: Axis::ALL.map(|coil| stated(coil).map_or(0.0, Quantity::value)).into(),
+            uncertain: Axis::ALL.iter().filter_map(std).any(|std| std > 0.0),
+            positions_m: positions.map(|positions| Axis::ALL.map(|sensor| place(positions, sensor))),
+        }
+    }
+
+    pub fn act(&self) -> bool {
+        self.positions_m.is_some() && (self.gradient_nt_per_m_a != Vector3::zeros() || self.uncertain)
+    }
+
+    /// Moved by one standard uncertainty of each uncertain number: its path, the uncertainty, the model.
+    pub fn moved(&self, document: &Document) -> Vec<(String, f64, Self)> {
+        if !self.act() {
+            return Vec::new();
+        }
+        let mut all = Vec::new();
+        let coils = document.facility.as_ref().and_then(|facility| facility.coils.as_ref());
+        for coil in Axis::ALL {
+            let stated = coils.and_then(|coils| coils.get(coil)?.gradient_nt_per_m_a.as_ref()?.std());
+            let mut moved = self.clone();
+            moved.gradient_nt_per_m_a[coil.index()] += stated.unwrap_or(0.0);
+            all.extend(stated.map(|std| (uncertainty::gradient(coil), std, moved)));
+        }
+        let stated = document.instrument.as_ref().and_then(|instrument| instrument.positions_std_m);
+        for (sensor, k) in Axis::ALL.into_iter().flat_map(|sensor| (0..3).map(move |k| (sensor, k))) {
+            let mut moved = self.clone();
+            if let Some(places) = &mut moved.positions_m {
+                places[sensor.index()][k] += stated.unwrap_or(0.0);
+            }
+            all.extend(stated.map(|std| (uncertainty::place(sensor, k), std, moved)));
+        }
+        all.retain(|(_, std, _)| *std > 0.0);
+        all
+    }
+}
+
+/// Those of the sensors, μ, and of the coils, η.
+pub type Directions = (Matrix3<f64>, Matrix3<f64>);
 
 /// The readings of a document, less what the model's effects and the gradients add to them.
 pub struct Modelled<'a> {
@@ -32,8 +111,10 @@ pub struct Modelled<'a> {
 
 impl<'a> Modelled<'a> {
     pub fn of(document: &'a Document, options: &'a Options) -> Result<Self> {
-        let (effects, places) = (effects(document)?, Places::of(document));
-        let references = References::of(document);
+        let mut effects = physics::adopt(document).map_err(|error| error.at("model"))?;
+        let mine = || document.recordings.iter().filter(|one| one.procedure == procedure::AXES_ORIENTATION);
+        effects.retain(|effect| mine().any(|recording| effect.acts(recording)));
+        let (places, references) = (Places::of(document), References::of(document));
         Ok(Self { document, references, options, effects, places, fits: ac::Fits::default() })
     }
 
@@ -61,21 +142,45 @@ impl<'a> Modelled<'a> {
         Ok(observations)
     }
 
+    fn observe_without(&self, added: &Added) -> Result<Observations> {
+        observe((self.document, self.references), self.options, added, &self.fits)
+    }
+
+    /// The reading with effects and gradients less the reading without, as field, for sensors and coils in
+    /// these directions; None: as the document states them.
     fn added(
         &self,
         effects: &[EffectInstance],
         places: &Places,
         directions: Option<Directions>,
     ) -> Result<Added> {
-        added((self.document, self.references), effects, places, directions)
+        let recordings = &self.document.recordings;
+        let mut all = Added { recordings: vec![Vec::new(); recordings.len()], left_out: Vec::new() };
+        for (index, recording) in recordings.iter().enumerate() {
+            let acting: Vec<EffectInstance> =
+                effects.iter().filter(|effect| effect.acts(recording)).cloned().collect();
+            if recording.procedure != procedure::AXES_ORIENTATION || (acting.is_empty() && !places.act()) {
+                continue;
+            }
+            let at = |error: physics::Error| error.at(&format!("recordings[{index}]"));
+            let Setting { mut basic, mut context } =
+                Setting::of(self.document, recording, self.references).map_err(at)?;
+            (basic.mu, basic.eta) = directions.unwrap_or((basic.mu, basic.eta));
+            context.gradient_nt_per_m_a = places.gradient_nt_per_m_a;
+            context.positions_m = places.positions_m;
+            let (with, left_out) = physics::predict_acting(&basic, &acting, &context).map_err(at)?;
+            context.gradient_nt_per_m_a = Vector3::zeros();
+            let without = physics::predict(&basic, &[], &context).map_err(at)?;
+            let scale = Vector3::from(basic.sensors.map(|sensor| sensor.sensitivity));
+            let both = with.readings.iter().zip(&without.readings);
+            all.recordings[index] =
+                both.map(|(with, without)| (with - without).component_mul(&scale)).collect();
+            all.left_out.extend(left_out);
+        }
+        Ok(all)
     }
 
-    fn observe_without(&self, added: &Added) -> Result<Observations> {
-        observe_without((self.document, self.references), self.options, added, &self.fits)
-    }
-
-    /// How the unknowns err with the parameters of the effects, with gradients and places: C Jᵀ Δ for each
-    /// unit, Δ the change of the readings.
+    /// How the unknowns err with effects, gradients and places: C Jᵀ Δ, Δ the change of the readings.
     pub fn by(&self, observations: &Observations, solution: &Solution) -> Result<By> {
         let adopted = || self.document.model.iter().flat_map(|model| &model.effects);
         let mut moves: Vec<(String, f64, Vec<EffectInstance>, Places)> = Vec::new();

@@ -5,13 +5,10 @@ use nalgebra::{DMatrix, Vector3};
 use physics::Unit;
 use physics::frames::Orientation;
 
-/// Factors on the standard deviations of readings: of those with constant drives, and of amplitudes of AC
-/// runs.
+/// Factors on the standard deviations of readings, of constant drives and of AC amplitudes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoiseFactors {
-    /// Constant drives.
     pub constant: f64,
-    /// AC runs.
     pub ac: f64,
 }
 
@@ -19,12 +16,10 @@ impl NoiseFactors {
     /// As declared.
     pub const ONE: Self = Self::both(1.0);
 
-    /// The same for all readings.
     pub const fn both(factor: f64) -> Self {
         Self { constant: factor, ac: factor }
     }
 
-    /// That of a reading.
     pub fn of(&self, reading: &Observation) -> f64 {
         if reading.constant { self.constant } else { self.ac }
     }
@@ -40,7 +35,6 @@ pub struct Observation {
     pub recording: usize,
     /// Row in the recording; of a mean, the first of its rows.
     pub row: usize,
-    /// The sensor.
     pub sensor: Axis,
     /// Field along each coil, k I + B0, nT.
     pub drive_nt: Vector3<f64>,
@@ -76,13 +70,9 @@ pub struct OrientationGroup {
 /// All that the fit sees.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observations {
-    /// The orientations.
     pub orientations: Vec<OrientationGroup>,
-    /// The readings.
     pub readings: Vec<Observation>,
-    /// Readings whose errors go together.
     pub together: Vec<Together>,
-    /// Where the readings' standard deviations come from.
     pub noise: NoiseSource,
     /// Unit of the readings.
     pub unit: Unit,
@@ -90,9 +80,7 @@ pub struct Observations {
     pub sensors: Vec<Axis>,
     /// Coils that were driven.
     pub coils: Vec<Axis>,
-    /// Phases of AC runs.
     pub phases: Vec<common::PhaseResult>,
-    /// What looks wrong, in words.
     pub findings: Vec<Finding>,
 }
 
@@ -119,11 +107,10 @@ pub fn sensor_column(recording: &Recording, sensor: Axis) -> Option<(String, &[f
 /// Readings of one sensor in one recording, whose errors go together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Together {
-    pub(crate) recording: usize,
-    /// The sensor.
-    pub(crate) sensor: Axis,
+    pub recording: usize,
+    pub sensor: Axis,
     /// First rows of the means, in order.
-    pub(crate) rows: Vec<usize>,
+    pub rows: Vec<usize>,
     /// Their covariance, nT².
-    pub(crate) covariance: DMatrix<f64>,
+    pub covariance: DMatrix<f64>,
 }

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 use std::ops::Range;
 
-use crate::added::Added;
+use crate::modelled::Added;
 use crate::observations::{Together, sensor_column};
 use crate::{
     Error, NoiseSource, Observation, Observations, Options, OrientationGroup, Result, ac, checks, means,
@@ -17,14 +17,8 @@ const WEAK_NT: f64 = 5.0;
 /// Coils that are never driven with this share of the largest field are not asked for a direction.
 const LEAST_DRIVE: f64 = 1e-3;
 
-/// Reads every recording of the procedure.
-pub fn observe(document: &Document, options: &Options) -> Result<Observations> {
-    let references = References::of(document);
-    observe_without((document, references), options, &Added::default(), &ac::Fits::default())
-}
-
 /// Reads every recording of the procedure, less what effects add to its readings.
-pub fn observe_without(
+pub fn observe(
     (document, references): (&Document, References),
     options: &Options,
     added: &Added,
@@ -62,26 +56,25 @@ pub fn observe_without(
         })?;
         all.unit = context.unit;
         let basic = checks::constants(document, recording, &context, &path, &mut all)?;
+        let now = &recording.conditions;
         let same = conditions.iter().position(|seen| {
-            let now = &recording.conditions;
-            seen.orientation == now.orientation
-                && seen.theodolite == now.theodolite
-                && seen.setting == now.setting
+            (&seen.orientation, &seen.theodolite, &seen.setting)
+                == (&now.orientation, &now.theodolite, &now.setting)
         });
         let orientation = same.unwrap_or_else(|| {
-            if recording.conditions.orientation.is_none() && recording.conditions.theodolite.is_none() {
+            if now.orientation.is_none() && now.theodolite.is_none() {
                 all.findings.push(Code::NoOrientation.said(format!(
                     "recording \"{}\" states no orientation; the block is taken as aligned with GEO",
                     recording.id
                 )));
             }
-            conditions.push(&recording.conditions);
+            conditions.push(now);
             all.orientations
                 .push(OrientationGroup { orientation: context.orientation.clone(), recordings: Vec::new() });
             conditions.len() - 1
         });
         all.orientations[orientation].recordings.push(recording.id.clone());
-        match recording.conditions.drive_hz {
+        match now.drive_hz {
             Some(hz) => {
                 let instrument = document.instrument.as_ref();
                 let place = (index, orientation);
@@ -108,15 +101,16 @@ fn physics_path(path: &str, recording: &Recording, error: &physics::Error) -> St
 
 /// Where any reading has no declared noise, none is used: one noise for all is then found from the residuals.
 fn one_noise_for_all(all: &mut Observations) {
-    if all.noise == NoiseSource::Residuals {
-        if all.readings.iter().any(|reading| reading.std_nt != 1.0) {
-            all.findings.push(
-                Code::NoiseNotDeclared.said("the noise of some readings is not declared; one value for all is estimated from the residuals"),
-            );
-        }
-        all.readings.iter_mut().for_each(|reading| reading.std_nt = 1.0);
-        all.together.clear();
+    if all.noise != NoiseSource::Residuals {
+        return;
     }
+    if all.readings.iter().any(|reading| reading.std_nt != 1.0) {
+        all.findings.push(Code::NoiseNotDeclared.said(
+            "the noise of some readings is not declared; one value for all is estimated from the residuals",
+        ));
+    }
+    all.readings.iter_mut().for_each(|reading| reading.std_nt = 1.0);
+    all.together.clear();
 }
 
 /// The sensors to be read: as asked, else as the instrument states, else as the columns say.
@@ -132,17 +126,14 @@ fn sensors(document: &Document, recordings: &[(usize, &Recording)], options: &Op
     };
     sensors.sort();
     sensors.dedup();
-    if sensors.is_empty()
-        && document.instrument.as_ref().is_some_and(|instrument| instrument.sensors.is_some())
-    {
+    if !sensors.is_empty() {
+        return Ok(sensors);
+    }
+    if document.instrument.as_ref().is_some_and(|instrument| instrument.sensors.is_some()) {
         return Err(Error::document("instrument.sensors", "an empty list", "the sensors that it has"));
     }
-    if sensors.is_empty() {
-        let (path, found) =
-            (format!("recordings[{}].columns", recordings[0].0), "no sensor_*_v and no sensor_*_nt");
-        return Err(Error::document(path, found, "the readings of the sensors"));
-    }
-    Ok(sensors)
+    let path = format!("recordings[{}].columns", recordings[0].0);
+    Err(Error::document(path, "no sensor_*_v and no sensor_*_nt", "the readings of the sensors"))
 }
 
 /// Readings of a recording with constant drives: row by row, or drive by drive where noise with memory is
@@ -182,8 +173,8 @@ fn rows(
                 (groups, stds)
             }
             None => {
-                let groups: Vec<Range<usize>> =
-                    (0..column.len()).filter(|row| there(*row)).map(|row| row..row + 1).collect();
+                let single = (0..column.len()).filter(|row| there(*row)).map(|row| row..row + 1);
+                let groups: Vec<Range<usize>> = single.collect();
                 let stds = vec![std_nt; groups.len()];
                 (groups, stds)
             }
@@ -215,8 +206,7 @@ fn rows(
     }
 }
 
-/// The noise that is declared for a sensor, and with it that of the field in the coils; nothing where that of
-/// the sensor is not.
+/// The noise declared for a sensor with that of the field in the coils; none where that of the sensor is not.
 fn declared(document: &Document, sensor: Axis) -> Vec<&Noise> {
     let own = document.instrument.as_ref().and_then(|instrument| instrument.noise_of(sensor));
     let field = document.facility.as_ref().and_then(|facility| facility.noise.as_ref());

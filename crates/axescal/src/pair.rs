@@ -15,8 +15,7 @@ struct Unconstrained<'a> {
     observations: &'a Observations,
     /// R of each orientation, corrected.
     rotations: Vec<Matrix3<f64>>,
-    /// What the coil makes in each reading, by the constrained fit: the reading less constants and offset,
-    /// nT.
+    /// What the coil makes in each reading by the constrained fit, nT: less constants and offset.
     values_nt: Vec<f64>,
     noise: NoiseFactors,
 }
@@ -74,14 +73,13 @@ pub fn compare(observations: &Observations, solution: &Solution) -> Result<PairC
     let (m, n) = fit.state;
     let direction = |matrix: &Matrix3<f64>, axis: common::Axis| matrix.column(axis.index()).into_owned();
     let count = observations.readings.len() as f64;
-    let std_nt = observations.readings.iter().map(|reading| constrained.std_nt(reading)).sum::<f64>() / count;
     Ok(PairComparison {
         sensor: sensor.to_string(),
         coil: coil.to_string(),
         unconstrained_sensor: m.into(),
         unconstrained_coil: n.into(),
         unconstrained_rank: fit.svd.rank(),
-        incompatibility_rms_nt: (fit.cost / count).sqrt() * std_nt,
+        incompatibility_rms_nt: (fit.cost / count).sqrt() * constrained.mean_std_nt(),
         sensor_difference_arcsec: angle(&m, &direction(&state.mu, sensor)) / ARCSEC,
         coil_difference_arcsec: angle(&n, &direction(&state.eta, coil)) / ARCSEC,
     })

@@ -145,8 +145,7 @@ fn advice(observations: &Observations, freedom: &Freedom, state: &AxesState, tur
     }
 }
 
-/// What one more orientation, each coil driven in it once, would give: the rank of the directions and the
-/// largest standard deviation, relative.
+/// What one more orientation, each coil driven once, gives: rank and largest relative standard deviation.
 fn with_one_more(
     observations: &Observations,
     freedom: &Freedom,

@@ -11,12 +11,14 @@ use physics::frames::ARCSEC;
 
 use crate::doubts::Doubt;
 use crate::unknowns::{Unknown, place};
-use crate::{AxesProblem, Observation, Observations, Options, Result, Solution, assumptions, pair, scales};
+use crate::{
+    AxesProblem, Observation, Observations, Options, OrientationGroup, Result, Solution, assumptions, pair,
+    scales,
+};
 
 /// More readings than this are summed up by orientation only.
 const MOST_READINGS: usize = 20_000;
 
-/// Everything that is written to the document.
 pub fn describe(
     document: &Document,
     observations: &Observations,
@@ -32,7 +34,7 @@ pub fn describe(
     let mut findings = Findings::default();
     findings.extend(observations.findings.iter().cloned());
     findings.extend(solution.findings.iter().cloned());
-    let constants = constants(solution, observations, &mut findings);
+    let (residual_field_nt, offsets_nt) = constants(solution, observations, &mut findings);
     let calibration = document.calibration.as_ref();
     let pair = (observations.sensors.len() == 1 && observations.coils.len() == 1)
         .then(|| pair::compare(observations, solution))
@@ -41,8 +43,8 @@ pub fn describe(
         sensors: Some(stated(&observations.sensors, &state.mu, &sensor_turns)),
         coils: Some(stated(&observations.coils, &state.eta, &coil_turns)),
         cross_covariance: Some(common::covariance::rows(&covariance(&sensor_turns, &coil_turns))),
-        residual_field_nt: constants.0,
-        offsets_nt: constants.1,
+        residual_field_nt,
+        offsets_nt,
         scales: options.free_scales.then(|| scales::describe(calibration, observations, solution)),
         pair,
         orientations: orientations(observations, solution),
@@ -100,36 +102,28 @@ fn constants(solution: &Solution, observations: &Observations, findings: &mut Fi
 }
 
 fn orientations(observations: &Observations, solution: &Solution) -> Vec<OrientationResult> {
-    observations
-        .orientations
-        .iter()
-        .enumerate()
-        .map(|(number, group)| {
-            let residuals: Vec<f64> = observations
-                .readings
-                .iter()
-                .zip(&solution.residuals_nt)
-                .filter(|(reading, _)| reading.orientation == number)
-                .map(|(_, residual)| *residual)
-                .collect();
-            let correction = place(&solution.meaning, Unknown::Correction(number, 0)).map(|place| {
-                let uncertainty = &group.orientation.uncertainty;
-                let turn = uncertainty * solution.fit.state.corrections[number] / ARCSEC;
-                let block = Matrix3::from_fn(|i, j| solution.covariance[(place + i, place + j)]);
-                let covariance = uncertainty * block * uncertainty.transpose();
-                let std = |k: usize| covariance[(k, k)].max(0.0).sqrt() / ARCSEC;
-                let of = |axis: Axis| (axis, Quantity::new(turn[axis.index()], std(axis.index())));
-                Axis::ALL.into_iter().map(of).collect()
-            });
-            OrientationResult {
-                recordings: group.recordings.clone(),
-                readings: residuals.len(),
-                rms_nt: rms(&residuals),
-                correction_arcsec: correction,
-                orthogonalised_by_arcsec: group.orientation.moved_rad / ARCSEC,
-            }
-        })
-        .collect()
+    let one = |(number, group): (usize, &OrientationGroup)| {
+        let all = observations.readings.iter().zip(&solution.residuals_nt);
+        let own = all.filter(|(reading, _)| reading.orientation == number);
+        let residuals: Vec<f64> = own.map(|(_, residual)| *residual).collect();
+        let correction = place(&solution.meaning, Unknown::Correction(number, 0)).map(|place| {
+            let uncertainty = &group.orientation.uncertainty;
+            let turn = uncertainty * solution.fit.state.corrections[number] / ARCSEC;
+            let block = Matrix3::from_fn(|i, j| solution.covariance[(place + i, place + j)]);
+            let covariance = uncertainty * block * uncertainty.transpose();
+            let std = |k: usize| covariance[(k, k)].max(0.0).sqrt() / ARCSEC;
+            let of = |axis: Axis| (axis, Quantity::new(turn[axis.index()], std(axis.index())));
+            Axis::ALL.into_iter().map(of).collect()
+        });
+        OrientationResult {
+            recordings: group.recordings.clone(),
+            readings: residuals.len(),
+            rms_nt: rms(&residuals),
+            correction_arcsec: correction,
+            orthogonalised_by_arcsec: group.orientation.moved_rad / ARCSEC,
+        }
+    };
+    observations.orientations.iter().enumerate().map(one).collect()
 }
 
 fn fit(observations: &Observations, solution: &Solution, options: &Options) -> AxesFit {

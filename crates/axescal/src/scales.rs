@@ -15,7 +15,6 @@ use crate::{Observations, Solution};
 /// Disagreements below this probability are called so.
 const DISAGREES_P: f64 = 0.01;
 
-/// The scales of a solution that left them free.
 pub fn describe(
     calibration: Option<&Calibration>,
     observations: &Observations,
@@ -68,18 +67,17 @@ fn group(
     scale: impl Fn(Axis) -> (f64, Option<f64>),
     place: impl Fn(Axis) -> Option<usize>,
 ) -> Vec<Member> {
-    axes.iter()
-        .map(|&axis| {
-            let (less_one, calibration_std) = scale(axis);
-            Member {
-                axis,
-                logarithm: less_one.ln_1p(),
-                gain: 1.0 / (1.0 + less_one),
-                calibration_std: calibration_std.unwrap_or(0.0),
-                place: place(axis),
-            }
-        })
-        .collect()
+    let member = |&axis: &Axis| {
+        let (less_one, calibration_std) = scale(axis);
+        Member {
+            axis,
+            logarithm: less_one.ln_1p(),
+            gain: 1.0 / (1.0 + less_one),
+            calibration_std: calibration_std.unwrap_or(0.0),
+            place: place(axis),
+        }
+    };
+    axes.iter().map(member).collect()
 }
 
 /// exp(Σ w ln s) with its uncertainties; the weights are such that what cannot be seen drops out.

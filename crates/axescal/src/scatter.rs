@@ -13,8 +13,7 @@ use crate::{
 
 /// A χ² less probable than this is not taken for chance: the uncertainties are then scaled to the residuals.
 const CHI_SQUARED_P: f64 = 1e-3;
-/// A robust scale is not taken for the declared one beyond this over √(degrees of freedom): some four
-/// standard deviations.
+/// A robust scale is not taken for the declared one beyond this over √(degrees of freedom) (four σ).
 const ROBUST_EXCESS: f64 = 4.0;
 /// Rounds in which noise and fit settle.
 const ROUNDS: usize = 30;
@@ -108,7 +107,6 @@ impl Spread {
     }
 }
 
-/// A fit with what it says of the noise.
 pub struct Estimate {
     pub fit: Fit<AxesState>,
     pub weights: Option<Vec<f64>>,
@@ -143,7 +141,6 @@ fn estimated(
 pub struct Settled<'a> {
     observations: &'a Observations,
     pub estimate: Estimate,
-    /// Factors on the readings' standard deviations.
     pub noise: NoiseFactors,
     /// The readings whose standard deviations were taken from their scatter.
     scattering: Vec<(ReadingKind, Spread)>,
@@ -212,8 +209,7 @@ pub fn settle<'a>(
 }
 
 impl Settled<'_> {
-    /// Degrees of freedom of the noise where it was taken from the scatter of the readings; infinite where it
-    /// is known.
+    /// Degrees of freedom of noise taken from the scatter; infinite where it is known.
     pub fn freedom(&self) -> f64 {
         let of = |(kind, _): &(ReadingKind, Spread)| {
             self.estimate.spread_of(self.observations, *kind).degrees_of_freedom

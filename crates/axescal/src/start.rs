@@ -54,10 +54,8 @@ pub fn begin(
         }
     }
     let (_, _, swap, sensors, coils) = best;
-    let column =
-        |matrix: &Matrix3<f64>, index: usize, sign: f64| -> Vector3<f64> { matrix.column(index) * sign };
-    let mu = Matrix3::from_columns(&[0, 1, 2].map(|i| column(&first.mu, swap[i], sign(sensors, i))));
-    let eta = Matrix3::from_columns(&[0, 1, 2].map(|j| column(&first.eta, j, sign(coils, j))));
+    let mu = Matrix3::from_columns(&[0, 1, 2].map(|i| first.mu.column(swap[i]) * sign(sensors, i)));
+    let eta = Matrix3::from_columns(&[0, 1, 2].map(|j| first.eta.column(j) * sign(coils, j)));
     let mut findings = Vec::new();
     for axis in Axis::ALL {
         let i = axis.index();

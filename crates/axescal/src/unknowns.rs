@@ -14,8 +14,7 @@ pub struct Freedom {
     pub coil_scale: [Option<f64>; 3],
     /// Whether each orientation may turn within its theodolites' uncertainty.
     pub orientations: bool,
-    /// Standard uncertainty of each component of the residual field (GEO), nT; infinite: free; None: taken as
-    /// zero.
+    /// Standard uncertainty of the residual field's components (GEO), nT; infinite: free; None: zero.
     pub residual_field: Option<[f64; 3]>,
     /// Standard uncertainty of each sensor's remaining offset, nT; infinite: free; None: taken as zero.
     pub offsets: [Option<f64>; 3],
@@ -46,17 +45,14 @@ impl Freedom {
     }
 }
 
-/// Directions of the coils given beforehand.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KnownCoils {
     /// Unit vectors in GEO.
     pub directions: [Vector3<f64>; 3],
-    /// W with Wᵀ W = inverse covariance of the turns along the tangents of the driven coils, in order; None:
-    /// exact.
+    /// W with Wᵀ W = inverse covariance of the turns along the driven coils' tangents; None: exact.
     pub whitening: Option<DMatrix<f64>>,
 }
 
-/// The unknowns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxesState {
     /// Columns = sensors in SEN.
@@ -90,7 +86,6 @@ impl AxesState {
     }
 }
 
-/// One unknown number of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unknown {
     /// Turn of a sensor along one of its tangents, rad.
@@ -101,9 +96,7 @@ pub enum Unknown {
     CoilScale(Axis),
     /// Correction of an orientation, in units of its uncertainty.
     Correction(usize, usize),
-    /// Component of the residual field, nT.
     ResidualField(usize),
-    /// Offset of a sensor, nT.
     Offset(Axis),
 }
 

@@ -1,5 +1,4 @@
-//! The plan that a design begins with: one from a file, or one of a facility in which nothing is special; and
-//! the plan that proves the design.
+//! The plan that a design begins with, from a file or an ordinary one; and the plan that proves the design.
 
 use common::{Axis, Document, Noise, NoiseOfSensors, Quantity};
 use serde::Deserialize;

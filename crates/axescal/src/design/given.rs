@@ -195,8 +195,7 @@ fn known(std: f64, unknown: f64) -> f64 {
     std.clamp(1e-9 * unknown, unknown)
 }
 
-/// How the theodolites' face frame errs, where each angle errs by 1 rad and the fixture stands as it
-/// nominally does.
+/// How the theodolites' face frame errs, where each angle errs by 1 rad and the fixture stands as meant.
 pub fn faces(rotation: &Matrix3<f64>) -> Matrix3<f64> {
     rotation * face_uncertainty([1.0; 4])
 }

@@ -64,8 +64,7 @@ impl Said {
 }
 
 impl Pieces {
-    /// Of an orientation with nominal axes; `turns` is L with L Lᵀ = covariance of its small rotation, for
-    /// theodolites that err by 1 rad.
+    /// With nominal axes; `turns` is L with L Lᵀ = covariance of the small rotation for errors of 1 rad.
     pub fn of(rotation: &Matrix3<f64>, turns: &Matrix3<f64>, readings: &Readings) -> Self {
         let Derivatives { jacobian, common, own, gradients } = Derivatives::of(rotation, turns, readings);
         let rows = gradients.nrows();

@@ -79,8 +79,7 @@ pub fn block(covariance: &Information, turn: usize) -> [[f64; 2]; 2] {
     [0, 1].map(|i| [0, 1].map(|j| covariance[(turn + i, turn + j)]))
 }
 
-/// The covariance of all that is common, as axescal states it: what the gradients of the coils make is not
-/// estimated but added.
+/// The covariance of all that is common, as axescal states it: what the coils' gradients make is added.
 pub fn covariance(said: &Said, prior: &Information) -> Option<Information> {
     let sum = said.information + prior;
     // In units in which the diagonal is one, an orientation that is not determined shows.
@@ -109,8 +108,7 @@ impl<'a> Search<'a> {
     pub fn new(given: &'a Given, candidates: &'a [Matrix3<f64>]) -> Self {
         let strongest = given.coil_nt.into_iter().fold(0.0, f64::max);
         let weak = strongest > WEAK * given.coil_nt[given.weakest()];
-        // Flicker noise is declared up to half the rate of the readings: of drives that are read once, what
-        // is faster would be missed.
+        // Flicker noise is declared up to half the rate: drives that are read once would miss what is faster.
         let fewest = if given.has_memory() { 2 } else { 1 };
         let mut settings = Vec::new();
         for cycles in CYCLES {
@@ -134,12 +132,10 @@ impl<'a> Search<'a> {
         Self { given, candidates, prior: given.prior(), schedules }
     }
 
-    /// The recordings of the least time that reach a target; the best error that the largest of them reach
-    /// where none does.
+    /// The recordings of the least time that reach a target; else the best error that is within reach.
     pub fn least(&self, target: &Target) -> Result<Recordings, f64> {
         let mut found: Option<(f64, Recordings)> = None;
-        // The order in which orientations are added is that of the most that can be done, then that of what
-        // was found.
+        // Orientations are added in the order of the most that can be done, then of what was found.
         let most = self.schedules.len() - 1;
         let mut order = self.order(&self.schedules[most].1, MOST_THEODOLITE, target);
         for _ in 0..ROUNDS {
@@ -226,8 +222,7 @@ impl<'a> Search<'a> {
         target.worst_arcsec(covariance(&said, &self.prior).as_ref())
     }
 
-    /// Orientations one after the other, each the one that lowers the largest error most; the first three
-    /// together.
+    /// The first three orientations, then one after the other, each the one that lowers the largest error.
     fn order(&self, pieces: &[Pieces], theodolite_readings: usize, target: &Target) -> Vec<usize> {
         let std = self.given.theodolite_rad(theodolite_readings);
         let each: Vec<Said> = pieces.iter().map(|pieces| pieces.said(std)).collect();

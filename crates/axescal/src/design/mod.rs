@@ -1,9 +1,8 @@
-//! Which recordings reach a target in the least time, and which orientations of the block determine the
-//! directions best (`axescal design`).
+//! Which recordings reach a target in the least time, and which orientations are best: `axescal design`.
 //!
 //! `given` is what facility and instrument err by, `information` what an orientation says by the derivatives
 //! of the fit, `least` the search, `limits` what limits it, `basis` the plan before and after, `report` the
-//! answer. With `--number` sets of orientations are ranked alone: `ranking`, by the `search` among them.
+//! answer. With `--number` sets of orientations are ranked alone: `ranking`.
 
 mod basis;
 mod command;
@@ -14,7 +13,6 @@ mod limits;
 mod radius;
 mod ranking;
 mod report;
-mod search;
 
 pub use basis::{given, ordinary, proof};
 pub use command::{Arguments, main};

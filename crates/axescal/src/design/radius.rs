@@ -5,9 +5,8 @@ use std::f64::consts::TAU;
 /// Directions over which the density is summed.
 const DIRECTIONS: usize = 720;
 
-/// The length that two normal errors with mean zero and this covariance stay within with a probability p: of
-/// a direction that errs by σ both ways, σ √(−2 ln(1 − p)). P(r) = ∫ (1 − exp(−r² q/2))/q dφ/(2πab), q =
-/// cos²φ/a² + sin²φ/b².
+/// The length that two normal errors of this covariance stay within with a probability p; where both are σ, σ
+/// √(−2 ln(1 − p)). P(r) = ∫ (1 − exp(−r² q/2))/q dφ/(2πab), q = cos²φ/a² + sin²φ/b².
 pub fn radius(covariance: [[f64; 2]; 2], probability: f64) -> f64 {
     let [a, b] = axes(covariance);
     if a == 0.0 {

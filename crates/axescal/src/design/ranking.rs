@@ -7,13 +7,17 @@
 
 use common::Matrix3x3;
 use common::number::counted;
-use nalgebra::{DMatrix, Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, SMatrix, SVector, Vector3};
 use physics::frames::{self, ARCSEC};
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::information::{Pieces, Readings, TURNS};
-use super::search::{Field, Information, Scored};
 use crate::{Error, Result};
+
+/// Sets up to this number are all tried; beyond, the search exchanges members.
+const MOST_SETS: f64 = 1.5e6;
+const BEGINNINGS: usize = 24;
 
 /// Errors of one reading and of one orientation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -51,7 +55,6 @@ pub struct OneMore {
     pub worst_arcsec: f64,
 }
 
-/// The best set of one size.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
     pub number: usize,
@@ -59,7 +62,7 @@ pub struct Row {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub worst_arcsec: Option<f64>,
     /// `exhaustive` or `exchange`.
-    pub search: String,
+    pub search: &'static str,
 }
 
 /// The best `number` of the candidates, and the table up to `table_to`.
@@ -72,26 +75,22 @@ pub fn design(
     check(candidates, &error_model, number)?;
     let field = Field(candidates.iter().map(|rotation| information(rotation, &error_model)).collect());
     let last = table_to.max(number + 1).min(candidates.len());
-    let sizes: Vec<(usize, Scored, &str)> = (2..=last).map(|size| field.best(size)).collect();
-    let best = sizes.iter().find(|(size, ..)| *size == number).map(|(_, best, _)| best.clone());
-    let best = best.filter(|best| best.worst.is_finite()).ok_or_else(|| {
+    let sizes: Vec<(Scored, &str)> = (2..=last).map(|size| field.best(size)).collect();
+    let best = &sizes[number - 2].0;
+    if !best.worst.is_finite() {
         let why = if number < 3 {
             "two never suffice, three do when their rotations are about two different axes"
         } else {
             "their rotations must be about at least two different axes"
         };
         let of = candidates.len();
-        Error::Unanswerable(format!(
+        return Err(Error::Unanswerable(format!(
             "no {number} of the {of} candidate orientations determine the directions; {why}"
-        ))
-    })?;
+        )));
+    }
     let more = (0..candidates.len())
         .filter(|candidate| !best.members.contains(candidate))
-        .map(|candidate| {
-            let mut members = best.members.clone();
-            members.push(candidate);
-            (field.score(members), candidate)
-        })
+        .map(|candidate| (field.score([&best.members[..], &[candidate]].concat()), candidate))
         .min_by(|(a, _), (b, _)| a.worst.total_cmp(&b.worst));
     Ok(Design {
         error_model,
@@ -103,11 +102,11 @@ pub fn design(
             worst_arcsec: scored.worst,
         }),
         table: sizes
-            .into_iter()
-            .map(|(number, best, search)| Row {
-                number,
+            .iter()
+            .map(|(best, search)| Row {
+                number: best.members.len(),
                 worst_arcsec: Some(best.worst).filter(|worst| worst.is_finite()),
-                search: search.into(),
+                search,
             })
             .collect(),
     })
@@ -137,6 +136,115 @@ fn check(candidates: &[Matrix3<f64>], model: &ErrorModel, number: usize) -> Resu
         return Err(Error::Request(format!("{number} of {of}; choose at least 3 and at most {most}")));
     }
     Ok(())
+}
+
+/// What an orientation says on the directions; informations add.
+pub type Information = SMatrix<f64, TURNS, TURNS>;
+
+/// Information of each candidate on the directions.
+pub struct Field(pub Vec<Information>);
+
+/// A set with its score, rounded so that sets equal but for rounding are equal.
+#[derive(Clone, Debug, PartialEq, PartialOrd)]
+pub struct Scored {
+    /// Largest standard deviation, arcsec; infinite where the set does not determine the directions.
+    pub worst: f64,
+    /// Numbers of the members, rising.
+    pub members: Vec<usize>,
+}
+
+impl Field {
+    pub fn score(&self, mut members: Vec<usize>) -> Scored {
+        members.sort_unstable();
+        let sum = members.iter().fold(Information::zeros(), |sum, &member| sum + self.0[member]);
+        let scale = SVector::<f64, TURNS>::from_fn(|k, _| sum[(k, k)]).max();
+        let worst = match sum.cholesky() {
+            Some(root) if root.l_dirty().diagonal().min().powi(2) > 1e-9 * scale => {
+                let variance = root.inverse().diagonal().max();
+                let arcsec = variance.sqrt() / ARCSEC;
+                // Twelve digits: sets that differ only by rounding compare as equal.
+                let digits = 10f64.powi(11 - arcsec.log10().floor() as i32);
+                (arcsec * digits).round() / digits
+            }
+            _ => f64::INFINITY,
+        };
+        Scored { worst, members }
+    }
+
+    /// The best set of a size and how it was found: of all sets where feasible, else by exchange.
+    pub fn best(&self, size: usize) -> (Scored, &'static str) {
+        let count = self.0.len();
+        let sets = (0..size).map(|k| (count - k) as f64 / (size - k) as f64).product::<f64>();
+        if sets <= MOST_SETS {
+            (self.exhaustive(size), "exhaustive")
+        } else {
+            (self.exchange(size), "exchange")
+        }
+    }
+
+    pub fn exhaustive(&self, size: usize) -> Scored {
+        let count = self.0.len();
+        let least = |a: Scored, b: Scored| if b < a { b } else { a };
+        let none = || Scored { worst: f64::INFINITY, members: (0..size).collect() };
+        (0..=count - size)
+            .into_par_iter()
+            .map(|first| {
+                let mut best = none();
+                let mut members: Vec<usize> = (first..first + size).collect();
+                loop {
+                    best = least(best, self.score(members.clone()));
+                    // The next combination that begins with `first`, in lexicographic order.
+                    let Some(place) = (1..size).rev().find(|&p| members[p] < count - size + p) else {
+                        break best;
+                    };
+                    members[place] += 1;
+                    for p in place + 1..size {
+                        members[p] = members[p - 1] + 1;
+                    }
+                }
+            })
+            .reduce(none, least)
+    }
+
+    /// Exchanges one member for one candidate as long as that helps, from several beginnings.
+    pub fn exchange(&self, size: usize) -> Scored {
+        let count = self.0.len();
+        let improve = |mut members: Vec<usize>| {
+            let mut best = self.score(members.clone());
+            loop {
+                let better = (0..size)
+                    .flat_map(|place| (0..count).map(move |candidate| (place, candidate)))
+                    .filter(|(_, candidate)| !members.contains(candidate))
+                    .map(|(place, candidate)| {
+                        let mut trial = members.clone();
+                        trial[place] = candidate;
+                        self.score(trial)
+                    })
+                    .fold(best.clone(), |a, b| if b.worst < a.worst { b } else { a });
+                if better.worst >= best.worst {
+                    return best;
+                }
+                members = better.members.clone();
+                best = better;
+            }
+        };
+        (0..BEGINNINGS)
+            .into_par_iter()
+            .map(|beginning| {
+                // Spread over the candidates with a step that has no factor in common with their number.
+                let step =
+                    (0..).map(|k| 2 * (beginning + k) + 1).find(|step| gcd(*step, count) == 1).unwrap_or(1);
+                improve((0..size).map(|k| (beginning + k * step) % count).collect())
+            })
+            .reduce(
+                || Scored { worst: f64::INFINITY, members: (0..size).collect() },
+                |a, b| if b < a { b } else { a },
+            )
+    }
+}
+
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// Jᵀ (σ² 1 + s² G Gᵀ)⁻¹ J of one orientation; the tangents of nominal axes are the off-diagonal cosines.

@@ -81,14 +81,19 @@ pub struct Directions {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cost {
     pub target_arcsec: f64,
-    /// Time at the facility, h; absent where it is out of reach.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub hours: Option<f64>,
+    /// None where it is out of reach.
+    #[serde(flatten)]
+    pub reached: Option<Reached>,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reached {
+    /// Time at the facility, h.
+    pub hours: f64,
     /// Settings of the block.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub settings: Option<usize>,
-    #[serde(flatten, skip_serializing_if = "Option::is_none")]
-    pub setting: Option<Setting>,
+    pub settings: usize,
+    #[serde(flatten)]
+    pub setting: Setting,
 }
 
 /// Finds the recordings of the least time that reach a target.
@@ -118,14 +123,13 @@ pub fn plan(given: &Given, candidates: &[Matrix3<f64>], request: Request) -> Res
     let mut targets: Vec<f64> = TABLE_ARCSEC.into_iter().chain([request.target_arcsec]).collect();
     targets.sort_by(|a, b| b.total_cmp(a));
     targets.dedup();
-    let cost = |arcsec: f64| {
-        let found = search.least(&target(arcsec)).ok();
-        Cost {
-            target_arcsec: arcsec,
-            hours: found.as_ref().map(|found| found.hours(given).total),
-            settings: found.as_ref().map(|found| found.orientations.len()),
-            setting: found.map(|found| found.setting),
-        }
+    let cost = |target_arcsec: f64| {
+        let reached = search.least(&target(target_arcsec)).ok().map(|found| Reached {
+            hours: found.hours(given).total,
+            settings: found.orientations.len(),
+            setting: found.setting,
+        });
+        Cost { target_arcsec, reached }
     };
     Ok(Plan {
         request,
@@ -216,23 +220,17 @@ pub fn words(plan: &Plan) -> String {
         let _ = writeln!(text, "  {change}: {}\"{cost}", figures(*worst_arcsec, 3));
     }
     let _ = writeln!(text, "  target arcsec  hours  settings  theodolite readings  drives' readings");
-    for cost in &plan.table {
-        let (hours, settings) = match (cost.hours, cost.settings) {
-            (Some(hours), Some(settings)) => (significant(hours, 3), settings.to_string()),
-            _ => ("out of reach".into(), String::new()),
+    for Cost { target_arcsec, reached } in &plan.table {
+        let target = bare(*target_arcsec);
+        let _ = match reached {
+            None => writeln!(text, "  {target:>13}  out of reach"),
+            Some(Reached { hours, settings, setting }) => {
+                let (hours, read) = (significant(*hours, 3), setting.theodolite_readings);
+                let drives = plan.given.drives(setting).len() * setting.readings;
+                let mark = if *target_arcsec == request.target_arcsec { " <- chosen" } else { "" };
+                writeln!(text, "  {target:>13}  {hours:>5}  {settings:>8}  {read:>19}  {drives:>16}{mark}")
+            }
         };
-        let Some(setting) = cost.setting else {
-            let _ = writeln!(text, "  {:>13}  {hours}", bare(cost.target_arcsec));
-            continue;
-        };
-        let drives = plan.given.drives(&setting).len() * setting.readings;
-        let mark = if cost.target_arcsec == request.target_arcsec { " <- chosen" } else { "" };
-        let _ = writeln!(
-            text,
-            "  {:>13}  {hours:>5}  {settings:>8}  {:>19}  {drives:>16}{mark}",
-            bare(cost.target_arcsec),
-            setting.theodolite_readings
-        );
     }
     text
 }

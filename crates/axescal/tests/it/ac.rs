@@ -36,8 +36,7 @@ fn the_delay_of_a_channel_is_reported_as_a_phase_and_does_no_harm() {
     let mut plan = plan();
     runs(&mut plan, 20.0, 20.0, None);
     let simulate::Campaign { mut document, truth } = simulated(&plan);
-    // Sensor y answers 10 ms late: its readings are those of an earlier time. A pure sine lets that be made
-    // by its phase.
+    // Sensor y answers 10 ms late: its readings are those of an earlier time. Of a sine that is a phase.
     for recording in &mut document.recordings {
         let column = recording.columns.get_mut("sensor_y_v").expect("a column");
         let phase = std::f64::consts::TAU * 0.1 * 0.010;
@@ -65,8 +64,7 @@ fn coils_out_of_phase_are_taken_as_they_are() {
     procedure(&mut plan).drives =
         [[5e4, 2e4, 0.0], [0.0, 5e4, 2e4], [2e4, 0.0, 5e4]].map(simulate::Drive::Vector).to_vec();
     let simulate::Campaign { mut document, truth } = simulated(&plan);
-    // The second coil of each run is set 0.5 rad behind; the readings are made again by the same linear
-    // chain.
+    // The second coil of each run is set 0.5 rad behind; the readings are made again.
     let true_axes = truth.calibration.axes.as_ref().expect("true axes");
     let [mu, eta] = matrices(true_axes).map(|mut matrix| {
         for mut column in matrix.column_iter_mut() {

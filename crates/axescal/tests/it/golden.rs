@@ -1,5 +1,4 @@
-//! Golden documents, a line a case (BLESS=1 writes them anew; read the difference before it is kept), faults
-//! with their messages, and the program's help.
+//! Golden documents, a line a case (BLESS=1 writes them anew: read the difference), faults, help.
 
 use axescal::{Options, Start};
 use common::{Axis, Document, to_text};

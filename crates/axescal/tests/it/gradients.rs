@@ -1,5 +1,4 @@
-//! Known gradients of the coils at the known places of the sensors: taken off, with what is uncertain about
-//! them.
+//! Known gradients of the coils at the known places of the sensors: taken off, and uncertain.
 
 use common::{Axis, Document, Quantity};
 use physics::frames::ARCSEC;

@@ -151,9 +151,8 @@ fn known_coils_need_one_orientation_and_any_drives() {
         // Run again, the given coils are used and not their own result.
         let again = axescal::run(document.clone(), &options).expect("directions");
         assert_eq!(axes(&again), axes(&document));
-        // The theodolites' 1" and the coils' 1" are always there. On top comes the noise: at worst each
-        // direction rests on three differences to one zero drive, √2 nT, against the smallest singular value
-        // of the drives.
+        // The theodolites' 1" and the coils' 1" are always there. On top comes the noise: at worst √2 nT,
+        // against the smallest singular value of the drives.
         let sensors = axes(&document).sensors.as_ref().and_then(|part| part.std_arcsec.as_ref());
         let std = sensors.and_then(|std| std.get(Axis::X)).expect("an uncertainty");
         let smallest = if full_drives { smallest_drive() } else { 5e4 };

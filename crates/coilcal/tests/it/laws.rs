@@ -43,7 +43,8 @@ fn each(law: impl Fn(u64, &Value)) {
 /// A scalar magnetometer knows no directions.
 #[test]
 fn changes_of_the_document_change_the_answer_alike() {
-    let laws: [(&str, fn(&Value, u64) -> Value); 4] = [
+    type Change = fn(&Value, u64) -> Value;
+    let laws: [(&str, Change); 4] = [
         ("names of the axes", |document, _| laws::rename_axes(document)),
         ("volts and amperes by another measure", |document, _| laws::scale_volts(document, 0.73)),
         ("frame of the laboratory", |document, seed| laws::rotate_geo(document, &laws::rotation(seed))),

@@ -60,7 +60,8 @@ fn each(law: impl Fn(u64, &Value)) {
 
 #[test]
 fn changes_of_the_document_change_the_answer_alike() {
-    let laws: [(&str, fn(&Value, u64) -> Value, Close); 4] = [
+    type Change = fn(&Value, u64) -> Value;
+    let laws: [(&str, Change, Close); 4] = [
         ("names of the axes", |document, _| laws::rename_axes(document), Close::SOLVED),
         ("volts and amperes", |document, _| laws::scale_volts(document, 0.73), Close::SOLVED),
         ("frame", |document, seed| laws::rotate_geo(document, &laws::rotation(seed)), Close::SOLVED),
