@@ -1,10 +1,8 @@
-//! Speed against SciPy's `least_squares`, whole processes on the same rows, and how far their answers are
-//! apart.
+//! Speed against SciPy's `least_squares`, whole processes on the same rows; how far their answers differ.
 //!
 //! Rows are 10⁴ and 10⁶ in Parquet, turned in all directions, with white noise of 10 ppm. scalarcal reads
-//! them beside a document, where the noise is declared white and where it is not, and as a stream. SciPy's
-//! fit is told with and without starting Python and reading the file (FLUXCAL_PYTHON names another
-//! interpreter than python3).
+//! them beside a document, where the noise is declared white and where it is not, and as a stream. SciPy is
+//! told with and without starting Python and reading the file (FLUXCAL_PYTHON names an interpreter).
 
 #[path = "../tests/it/build.rs"]
 #[expect(dead_code, reason = "the tests use more of it")]

@@ -28,19 +28,15 @@ const TAKEN_ANGLE_STD_ARCSEC: f64 = 1e-2;
 const ARCSEC_PER_DEG: f64 = 3600.0;
 
 impl Assumed {
-    /// Whether something is.
-    pub fn is_any(&self) -> bool {
+    pub(crate) fn is_any(&self) -> bool {
         self.only.is_some() || self.scales_within.is_some() || self.angles_within.is_some()
     }
 
     /// States it as a calibration with its uncertainty, of which the fit makes a prior: limits are those of a
-    /// uniform distribution, with a standard uncertainty of the limit over √3. What is stated with an uncertainty
-    /// stays, unless it is taken as it is.
+    /// uniform distribution, with a standard uncertainty of the limit over √3. Stated uncertainties stay.
     ///
-    /// # Errors
-    ///
-    /// Readings in volts without a nominal sensitivity.
-    pub fn state(&self, document: &mut Document) -> Result<Finding, Error> {
+    /// Errors: readings in volts without a nominal sensitivity.
+    pub(crate) fn state(&self, document: &mut Document) -> Result<Finding, Error> {
         let uniform = |limit: f64| limit / 3.0_f64.sqrt();
         let taken = self.only.is_some();
         let scale =
@@ -73,16 +69,16 @@ impl Assumed {
 
     /// Scale factors and angles that were taken as they are come back as they were, without uncertainty.
     ///
-    /// # Errors
-    ///
-    /// Readings that contradict them.
-    pub fn restored(&self, mut found: Document, before: Option<Calibration>) -> Result<Document, Error> {
+    /// Errors: readings that contradict them.
+    pub(crate) fn restored(
+        &self,
+        mut found: Document,
+        before: Option<Calibration>,
+    ) -> Result<Document, Error> {
         let taken = self.only.is_some();
         let Some(calibration) = found.calibration.as_mut().filter(|_| taken) else { return Ok(found) };
-        let scalar = calibration.scalar.as_ref();
-        let is_contradicted =
-            |(_, code, _): (&str, Option<Code>, &str)| code == Some(Code::PriorContradicted);
-        if scalar.is_some_and(|scalar| scalar.findings.coded().any(is_contradicted)) {
+        let coded = calibration.scalar.iter().flat_map(|scalar| scalar.findings.coded());
+        if coded.filter(|(_, code, _)| *code == Some(Code::PriorContradicted)).count() > 0 {
             let words = "the readings contradict the scale factors and angles that --only offsets takes as they are: the offsets would be wrong by more than their uncertainty. Give what is known of the sensors in their place, as in --scales-within 2 --angles-within 1";
             return Err(Error::Unanswerable(words.into()));
         }

@@ -9,10 +9,9 @@
 //! Source: P. Leliak, Identification and evaluation of magnetic-field sources of magnetic airborne detector
 //! equipped aircraft, IRE Trans. ANE-8 (1961) 95.
 
-use common::{Axis, BodyIron, Document, PerAxis, Quantity, Recording};
+use common::{Axis, BodyIron, Document, Quantity, Recording};
 use estimate::{Svd, stats};
 use faer::Mat;
-use indexmap::IndexMap;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::Error;
@@ -44,9 +43,7 @@ pub fn part(document: &Document, mounted: bool) -> Document {
     Document { recordings: document.recordings.iter().filter(mine).cloned().collect(), ..document.clone() }
 }
 
-/// That the sensors' own calibration stands in the document.
-///
-/// Errors: it does not.
+/// Refuses a document without the sensors' own calibration.
 pub fn stated(document: &Document) -> Result<(), Error> {
     let calibration = document.calibration.as_ref();
     if Axis::ALL.iter().all(|axis| calibration.is_some_and(|calibration| calibration.sensor(*axis).is_some()))
@@ -69,12 +66,10 @@ fn iron((own, both): (&[f64], &[f64]), like: &Matrix3<f64>) -> [f64; NINE] {
     let parts = square.symmetric_eigen();
     let roots = Matrix3::from_diagonal(&parts.eigenvalues.map(|value| value.max(0.0).sqrt()));
     let soft = parts.eigenvectors * roots * parts.eigenvectors.transpose() - Matrix3::identity();
-    let mut all = [0.0; NINE];
-    all[..3].copy_from_slice(hard.as_slice());
-    for (value, (row, column, _)) in all[3..].iter_mut().zip(ELEMENTS) {
-        *value = soft[(row, column)];
-    }
-    all
+    std::array::from_fn(|k| match k {
+        0..3 => hard[k],
+        _ => soft[(ELEMENTS[k - 3].0, ELEMENTS[k - 3].1)],
+    })
 }
 
 /// The body's iron by a calibration on it and the sensors' own, in SEN.
@@ -98,18 +93,11 @@ pub fn of(solved: &Solved) -> Result<BodyIron, Error> {
     let quantity = |place: usize, scale: f64| {
         Quantity::new(at[place] * scale, covariance[(place, place)].max(0.0).sqrt() * scale)
     };
-    let mut hard_iron_nt = PerAxis::default();
-    for axis in Axis::ALL {
-        *hard_iron_nt.entry(axis) = Some(quantity(axis.index(), given.scales.magnitude_nt));
-    }
-    let soft: IndexMap<String, Quantity> = ELEMENTS
-        .iter()
-        .enumerate()
-        .map(|(place, (_, _, name))| (name.to_string(), quantity(3 + place, 1e6)))
-        .collect();
+    let hard = |axis: Axis| (axis, quantity(axis.index(), given.scales.magnitude_nt));
+    let soft = |(place, (_, _, name)): (usize, (_, _, &str))| (name.to_string(), quantity(3 + place, 1e6));
     Ok(BodyIron {
-        hard_iron_nt,
-        soft_iron_ppm: soft,
+        hard_iron_nt: Axis::ALL.into_iter().map(hard).collect(),
+        soft_iron_ppm: ELEMENTS.into_iter().enumerate().map(soft).collect(),
         chi_squared,
         degrees_of_freedom: svd.rank() as f64,
         p_value: stats::chi_squared_p(chi_squared, svd.rank() as f64),

@@ -1,6 +1,5 @@
-//! Rows that are not used: at the ends of the sensors' ranges, by how often the largest and the smallest reading
-//! came, which of two sets of rows are found from those of each; and rows that repeat the one before. What the
-//! residuals say of rows.
+//! Rows that are not used: at the ends of the sensors' ranges, by how often the largest and the smallest
+//! reading came, for two sets from those of each; rows that repeat the one before; large residuals.
 
 use common::number::{counted, significant};
 use common::{Axis, Code, Finding};
@@ -18,14 +17,12 @@ const OFTEN: u64 = 10;
 const DISTURBED: f64 = 0.01;
 /// Within so many standard deviations no row is disturbed.
 const NEAR: f64 = 2.5;
-/// The furthest reading of a sensor stands at the end of its range where it came this many times as often as
-/// the next.
+/// A sensor's furthest reading is the end of its range where it came this many times as often as the next.
 const PILED_UP: u64 = 5;
 /// Rows of such a pile at least.
 const LEAST_PILED_UP: u64 = 5;
 /// Which way the ends lie.
 const SIGNS: [f64; 2] = [1.0, -1.0];
-/// All six ends.
 const ALL: At = 0b11_1111;
 
 /// The furthest reading one way and the one next to it, each with how often it came.
@@ -72,7 +69,6 @@ pub type At = u8;
 pub struct Ends([[Option<End>; 2]; 3]);
 
 impl Ends {
-    /// Whether there were no rows.
     pub fn is_empty(&self) -> bool {
         self.0.iter().flatten().all(Option::is_none)
     }
@@ -84,8 +80,7 @@ impl Ends {
         (ALL & !beside, moved)
     }
 
-    /// Takes the ends of other rows; gives the ends that were moved here, and those that are not the furthest
-    /// there.
+    /// Takes the ends of other rows; gives the ends moved here, and those that are not the furthest there.
     pub fn merge(&mut self, other: &Self) -> (At, At) {
         let (mut here, mut there) = (0, 0);
         for (place, (mine, theirs)) in self.0.iter_mut().flatten().zip(other.0.iter().flatten()).enumerate() {
@@ -106,7 +101,6 @@ impl Ends {
         (here, there)
     }
 
-    /// The ends at which readings are piled up.
     pub fn piles(&self) -> At {
         self.those(|_, end| end.is_pile())
     }
@@ -146,10 +140,8 @@ pub fn sensor_at(at: At) -> Option<Axis> {
 /// Leaves out rows in which an output stands at the end of its range; gives how many by sensor.
 pub fn without_saturated(series: &mut [Series]) -> [u64; 3] {
     let mut found = Ends::default();
-    for one in series.iter() {
-        for row in 0..one.len() {
-            found.take(one.reading(row));
-        }
+    for readings in series.iter().flat_map(|one| (0..one.len()).map(|row| one.reading(row))) {
+        found.take(readings);
     }
     let piles = found.piles();
     let mut left_out = [0; 3];
@@ -162,7 +154,6 @@ pub fn without_saturated(series: &mut [Series]) -> [u64; 3] {
     left_out
 }
 
-/// Their number by the reason.
 pub fn saturated(by_sensor: [u64; 3]) -> Vec<(String, u64)> {
     let of = |(axis, count)| (format!("sensor {axis} at the end of its range"), count);
     Axis::ALL.into_iter().zip(by_sensor).filter(|(_, count)| *count > 0).map(of).collect()

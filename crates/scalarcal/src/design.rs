@@ -7,8 +7,7 @@ use crate::model::{Model, State};
 use crate::read::Series;
 use crate::terms::{BLOCK, Factor, ONE, Terms};
 
-/// Rows that one thread takes at a time; a whole number of blocks, so that the factors do not depend on the
-/// threads.
+/// Rows that one thread takes at a time: whole blocks, so that factors do not depend on the threads.
 const CHUNK: usize = 64 * BLOCK;
 
 /// The units in which the columns z are of the order of one.
@@ -25,7 +24,6 @@ pub struct Rows<'a> {
     pub scales: Scales,
     /// For each recording the weights of its rows; none: all count alike.
     pub weights: Option<Vec<Vec<f64>>>,
-    /// Recordings and their rows that are taken.
     pub pieces: Vec<(usize, Range<usize>)>,
 }
 

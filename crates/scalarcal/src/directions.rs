@@ -1,5 +1,4 @@
-//! The directions of the sensors as a function of the parameters, and which axis each is nearest to, in which
-//! sense: swapped and mirrored channels.
+//! The directions of the sensors, and the axis that each is nearest to: swapped and mirrored channels.
 
 use common::{Code, Finding};
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -51,8 +50,7 @@ pub fn directions_by(model: &Model, state: &State, mu: &Matrix3<f64>) -> Vec<Opt
 /// For each sensor the axis of the stated ones that it is nearest to, and the sign.
 pub struct Axes([(usize, f64); 3]);
 
-/// The axes nearest to directions that were found, each taken once: the assignment with the largest sum of
-/// cosines.
+/// The nearest axes, each taken once: the assignment with the largest sum of cosines.
 pub fn nearest(mu: &Matrix3<f64>, stated: &Matrix3<f64>) -> Axes {
     let cosine = |sensor: usize, axis: usize| mu.column(sensor).dot(&stated.column(axis));
     let orders = [[0, 1, 2], [1, 0, 2], [0, 2, 1], [2, 1, 0], [1, 2, 0], [2, 0, 1]];
@@ -68,7 +66,6 @@ impl Axes {
         Matrix3::from_columns(&columns)
     }
 
-    /// What is odd about them, with the remedy.
     pub fn told(&self) -> Option<Finding> {
         let order = self.0.map(|(axis, _)| axis);
         let mirrored: Vec<&str> =

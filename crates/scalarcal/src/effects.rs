@@ -1,10 +1,10 @@
-//! Effects of the catalogue that are fitted together with the sensors, and those of the model, which are
-//! taken off.
+//! Effects of the catalogue that are fitted with the sensors, and those of the model, which are taken off.
 
 use common::{Axis, Document};
+use indexmap::IndexSet;
 use nalgebra::Vector3;
 use physics::{
-    Acts, Basic, EffectInstance, Kind, Parameter as Derivative, References, Role, Setting, Stage, predict,
+    Acts, Basic, EffectInstance, Parameter as Derivative, References, Role, Setting, Stage, predict,
     predict_with_jacobian,
 };
 
@@ -40,30 +40,19 @@ pub fn asked(document: &Document, options: &Options) -> Result<Vec<EffectInstanc
         match about.acts {
             Acts::OneSensor => all.extend(Axis::ALL.map(|axis| of(Some(axis), None))),
             Acts::WithColumn(_) => {
-                let columns = columns(document, *kind);
+                let names = document.recordings.iter().flat_map(|recording| recording.columns.keys());
+                let columns: IndexSet<&String> = names.filter(|name| kind.takes(name)).collect();
                 if columns.is_empty() {
-                    let needs = about.needs.join(", ");
-                    return Err(Error::Request(format!(
-                        "--with {}: it needs {needs}, and no recording has it",
-                        about.name
-                    )));
+                    let (name, needs) = (about.name, about.needs.join(", "));
+                    let words = format!("--with {name}: it needs {needs}, and no recording has it");
+                    return Err(Error::Request(words));
                 }
-                all.extend(columns.into_iter().map(|column| of(None, Some(column))));
+                all.extend(columns.into_iter().map(|column| of(None, Some(column.clone()))));
             }
             _ => all.push(of(None, None)),
         }
     }
     Ok(all)
-}
-
-/// The columns that an effect can follow.
-fn columns(document: &Document, kind: Kind) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for recording in &document.recordings {
-        let mine = recording.columns.keys().filter(|name| kind.takes(name));
-        names.extend(mine.filter(|name| !names.contains(name)).cloned().collect::<Vec<_>>());
-    }
-    names
 }
 
 /// The parameters of effects; the series get the columns that they follow, by how the chain's readings move
@@ -105,14 +94,12 @@ pub fn following(
             (squares.sum::<f64>() / rows).sqrt()
         });
         let largest = rms.iter().copied().fold(0.0, f64::max);
+        let one = &effects[number[0]];
+        let name = format!("{}.{}", one.kind.name(), one.kind.parameters()[number[1]].name);
         if largest <= 0.0 {
-            let kind = effects[number[0]].kind;
-            let name = kind.parameters()[number[1]].name;
-            let message = format!(
-                "{}.{name} changes no reading of these recordings: the quantity that it follows does not vary",
-                kind.name()
-            );
-            return Err(Error::Unanswerable(message));
+            return Err(Error::Unanswerable(format!(
+                "{name} changes no reading of these recordings: the quantity that it follows does not vary"
+            )));
         }
         let unit = scales.magnitude_nt / largest;
         let follows = std::array::from_fn(|axis| {
@@ -120,18 +107,15 @@ pub fn following(
                 return None;
             }
             let to_rms = scales.magnitude_nt / rms[axis];
-            let column: Vec<Vec<f64>> = contributions
-                .iter()
-                .map(|one| one[place][axis].iter().map(|value| value * to_rms).collect())
-                .collect();
+            let scaled =
+                |one: &Vec<[Vec<f64>; 3]>| one[place][axis].iter().map(|value| value * to_rms).collect();
+            let column = contributions.iter().map(scaled).collect();
             let (number, sign) = shared(series, column, scales.magnitude_nt);
             Some((ONE + 1 + number, sign * rms[axis] / largest))
         });
-        let one = &effects[number[0]];
         let of = one.axis.map(|axis| format!(" of {axis}")).unwrap_or_default();
         let column = one.column.as_ref().map(|column| format!(" ({column})")).unwrap_or_default();
-        let name = format!("{}.{}{of}{column}", one.kind.name(), one.kind.parameters()[number[1]].name);
-        parameters.push(Parameter::Effect { number: *number, unit, follows, name });
+        parameters.push(Parameter::Effect { number: *number, unit, follows, name: name + &of + &column });
     }
     Ok(parameters)
 }

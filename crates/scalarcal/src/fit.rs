@@ -15,28 +15,23 @@ const ROUNDS: usize = 4;
 const NOISE_ALONE: f64 = 1.0 - 1e-6;
 /// A direction of the products below this share of the largest is not there.
 const ABSENT: f64 = 1e-14;
-/// No magnetometer reads better than this share of the magnitude; less is rounding, in which no minimum would
-/// be found.
+/// No magnetometer reads better than this share of the magnitude; below, rounding would hide the minimum.
 const FINEST: f64 = 1e-9;
 
-/// A calibration with its covariance. Variances are over the square of the typical magnitude times
-/// [`Model::scale`].
+/// A calibration; variances are over the square of the typical magnitude times [`Model::scale`].
 #[derive(Clone, Debug)]
 pub struct FittedState {
     pub state: State,
     pub covariance: Mat<f64>,
-    /// What the readings alone say: the whitened derivatives of the residuals as a factor of them, with what
-    /// is held.
+    /// What the readings alone say: a factor of the whitened derivatives, with what is held.
     pub jacobian: Mat<f64>,
     /// The decomposition of that.
     pub seen: Svd,
-    /// Variance of a residual about the fit.
     pub variance: f64,
     /// Variance of the noise along a sensor that was allowed for.
     pub sensor: f64,
     /// Variance of the noise of the reference that was allowed for.
     pub reference: f64,
-    /// Rows less parameters.
     pub freedom: f64,
 }
 
@@ -45,8 +40,7 @@ pub struct FittedState {
 /// biased by the noise in them, which [`added_by_noise`] gives and [`without`] takes off. `held` is what no
 /// reading shows, `known` that with what is known beforehand.
 ///
-/// Errors: [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] where there is no
-/// minimum.
+/// Errors: [`Error::Unanswerable`] without more rows than parameters, [`Error::Fit`] without a minimum.
 pub fn fit(
     given: &Given,
     model: &Model,
@@ -111,14 +105,12 @@ pub fn fit(
     begin(false).or_else(|error| begin(true).map_err(|_| error))
 }
 
-/// Variance of the residuals in the unit of the readings: sensors without sensitivity, with an offset as long
-/// as a constant field, would leave no residual.
+/// Variance of the residuals in the unit of the readings: without sensitivity no residual would be left.
 fn scatter(found: &FittedState) -> f64 {
     found.variance / found.state[..3].iter().product::<f64>().abs().powf(2.0 / 3.0)
 }
 
-/// What noise of a sensor and of the reference, each over the square of the magnitude, adds to the products
-/// of a factor.
+/// What noise of sensors and reference, over the squared magnitude, adds to the products of a factor.
 fn added(model: &Model, state: &State, (sensor, reference): (f64, f64), plain: &Factor) -> Mat<f64> {
     let mut noise = vec![0.0; model.terms.columns + 1];
     let scale = model.scale(state);
@@ -154,8 +146,7 @@ pub fn variance(model: &Model, upper: &Mat<f64>, state: &State, freedom: f64) ->
     (upper * ColRef::from_slice(&coefficients)).squared_norm_l2() / freedom
 }
 
-/// The derivatives of the residuals at a state, and the sum of the squares that linear least squares leave of
-/// them.
+/// The derivatives of the residuals at a state, and the sum of squares that linear least squares leave.
 pub fn explained(model: &Model, upper: &Mat<f64>, state: &State) -> Option<(Mat<f64>, f64)> {
     let (coefficients, slopes) = (model.coefficients(state)?, model.slopes(state)?);
     let jacobian = upper * slopes;

@@ -1,5 +1,4 @@
-//! What a document gives before anything is fitted: units, declared noise, and what is known of the sensors,
-//! as rows of the fit.
+//! What a document gives before anything is fitted: units, declared noise, and what is known, as rows.
 
 use common::uncertainty::{self, By};
 use common::{Axis, Document, Instrument, Noise, Uncertainty};
@@ -14,8 +13,7 @@ use crate::model::{Model, NINE, PAIRS, Parameter};
 use crate::read::sensitivity;
 use crate::{Error, FitOptions};
 
-/// A combination of which the variance is less than this share of the largest is not known beforehand but
-/// fixed; it is left out.
+/// A combination with less than this share of the largest variance is not known but fixed, and left out.
 const FIXED: f64 = 1e-12;
 /// Relative standard uncertainty with which a scale that nothing shows is held.
 const HELD: f64 = 1e-9;
@@ -43,7 +41,6 @@ pub struct Given {
     pub by: By,
     /// What is known of the nine as rows of the fit: combinations over their standard deviations.
     pub prior: Linear,
-    /// Whether that is used.
     pub known: bool,
 }
 
@@ -89,8 +86,7 @@ impl Given {
         })
     }
 
-    /// The form of the declared noise, white where it has no memory. `variance` is that of the white noise of
-    /// a residual.
+    /// The form of the declared noise, white without memory; `variance` is that of a residual's white noise.
     pub fn form(&self, variance: f64) -> Option<Form> {
         let [amplitude, exponent] = self.flicker?;
         let white = variance * self.scales.magnitude_nt.powi(2);
@@ -98,7 +94,6 @@ impl Given {
         Some(if amplitude > 0.0 { memory } else { WHITE })
     }
 
-    /// The rows for scales that no reading shows.
     pub fn held(&self, model: &Model) -> Linear {
         let count = model.parameters.len();
         match (model.place(&Parameter::Magnitude), self.stated) {
@@ -106,8 +101,7 @@ impl Given {
                 let weights: Vec<f64> = one(place, count).iter().map(|one| one / std).collect();
                 Linear::one(&weights, 1.0 / std)
             }
-            // Only the ratio of magnitude and sensitivities is seen: the mean sensitivity is held at what is
-            // known of it.
+            // Only the ratio of magnitude and sensitivities is seen: their mean is held as known.
             (Some(_), None) if self.constant && !self.known => {
                 let weights: Vec<f64> = (0..count).map(|j| if j < 3 { 1.0 / HELD } else { 0.0 }).collect();
                 Linear::one(&weights, self.nine[..3].iter().sum::<f64>() / HELD)

@@ -1,5 +1,4 @@
-//! Kalman filter of rows that read noise with memory, that of three sensors by factors that change from row
-//! to row, or that of the magnitude.
+//! Kalman filter of rows that read noise with memory: of three sensors by factors, or of the magnitude.
 
 use common::Noise;
 use noise::{Process, Whitening};
@@ -8,7 +7,6 @@ use noise::{Process, Whitening};
 /// frequency the density levels off: the corner of its slowest process is near 1/100T.
 const OLDEST: f64 = 8.0;
 
-/// What has the memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Memory {
     /// Each sensor: the noise turns with the sensors.
@@ -20,7 +18,6 @@ pub enum Memory {
 }
 
 impl Memory {
-    /// As the document has it.
     pub fn name(self) -> &'static str {
         match self {
             Memory::Sensors => "sensors",
@@ -105,8 +102,7 @@ impl Filter {
         }
     }
 
-    /// Whitens the columns of a row that reads the channels by these factors; gives the variance of an
-    /// innovation.
+    /// Whitens the columns of a row with these factors; gives the variance of an innovation.
     pub fn row(&mut self, along: &[f64], columns: &[f64], whitened: &mut [f64]) -> f64 {
         let variance = self.read(along);
         let (each, deviation) = (self.processes.len(), variance.sqrt());

@@ -90,7 +90,6 @@ pub fn rows_about<'s>(
     }
 }
 
-/// The known field of each recording.
 pub struct Vectors<'a> {
     rows: Rows<'a>,
     contexts: Vec<Context<'a>>,
@@ -101,7 +100,6 @@ pub struct Vectors<'a> {
 }
 
 impl<'a> Vectors<'a> {
-    /// Field and attitude of the recordings.
     pub fn read(document: &'a Document, rows: Rows<'a>) -> Result<Self, Error> {
         let references = References::of(document);
         let mut contexts = Vec::new();
@@ -202,8 +200,7 @@ impl<'a> Vectors<'a> {
         Spread { along, across, attitude: ((across - along) / square).max(0.0), moments: moments as usize }
     }
 
-    /// The rows about a state, as those of the magnitude: residual, derivatives, and what a row reads of the
-    /// noise of the field in GEO.
+    /// The rows about a state: residual, derivatives, and what a row reads of the noise of the field in GEO.
     pub fn groups(&self, model: &Model, state: &State, mu: &Matrix3<f64>, spread: Spread) -> Groups {
         let count = model.parameters.len();
         let rows_of = rows_about(model, state, mu, (self.share, self.scalar), spread);

@@ -1,13 +1,11 @@
-//! Calibration of a vector magnetometer without a facility: by the magnitude of the field while the sensors
-//! are turned in it.
+//! Calibration of a vector magnetometer by the magnitude of the field while it is turned, without a facility.
 //!
 //! Nine parameters make the output V_i of each sensor the field along its axis, B_i = k_i V_i + O_i, and give
 //! the angles between the axes. The magnitude of the vector, |B|² = bᵀ (μᵀμ)⁻¹ b, is held against a scalar
 //! magnetometer, a model of the field, or a constant. A turn of all sensors together does not change it: SEN
 //! is then the frame in which the sensors are nearest to where the document has them.
 //!
-//! Source: J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000)
-//! 120–132.
+//! J. M. G. Merayo et al., Scalar calibration of vector magnetometers, Meas. Sci. Technol. 11 (2000) 120–132.
 //!
 //! - `read` takes the recordings, `design` makes rows of products of them (`terms`), of any
 //!   number of rows as a triangular factor. `model` gives the coefficients of the products as a function of the parameters, with
@@ -68,10 +66,8 @@ use solved::Solved;
 /// Calibrates the sensors and writes them to `calibration.sensors` and `calibration.axes.sensors`, what
 /// stands behind them to `calibration.scalar`, and effects that were fitted to `model.effects`.
 ///
-/// # Errors
-///
-/// No recording that can be used; rotations that do not determine the calibration, in words; a second run
-/// with --known on recordings from which what is known was found.
+/// Errors: no recording that can be used; rotations that do not determine the calibration, in words; a second
+/// run with --known on recordings from which what is known was found.
 pub fn run(mut document: Document, options: &Options) -> Result<Document, Error> {
     let measured = document.recordings.iter().any(|one| one.columns.contains_key("reference_nt"));
     options.magnitude.state(&mut document, |recording| !measured && read::is_free(recording))?;

@@ -18,7 +18,6 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// No rows of so many parameters.
     pub fn none(columns: usize) -> Self {
         Self { jacobian: Mat::zeros(0, columns), right: Vec::new() }
     }

@@ -24,7 +24,6 @@ pub enum Parameter {
     Cosine(usize),
     /// Size of an effect, in units in which it adds the order of the typical magnitude.
     Effect {
-        /// Number of the effect and of its parameter.
         number: [usize; 2],
         /// What one unit of the state is in the unit of its parameter.
         unit: f64,
@@ -167,8 +166,7 @@ impl Model {
         self.place(&parameter).map_or(T::zero(), |place| state[place])
     }
 
-    /// The unit of a residual, over the typical magnitude: the mean sensitivity where the magnitude is a
-    /// parameter, else one.
+    /// The unit of a residual, over the typical magnitude: the mean sensitivity where that is fitted, else 1.
     pub fn scale<T: Real>(&self, state: &[T]) -> T {
         match self.place(&Parameter::Magnitude) {
             Some(_) => (state[0] + state[1] + state[2]) / 3.0,
@@ -176,7 +174,6 @@ impl Model {
         }
     }
 
-    /// The magnitude over the assumed one.
     pub fn magnitude<T: Real>(&self, state: &[T]) -> T {
         self.place(&Parameter::Magnitude).map_or(T::one(), |place| state[place])
     }

@@ -40,8 +40,7 @@ const EXPONENTS_OF_MAGNITUDE: [f64; 3] = [1.0, 1.5, 2.0];
 const RATIO_STEP: f64 = 4.0;
 /// Steps of the ratio on either side of one.
 const RATIOS: i32 = 4;
-/// Rows that are filtered one by one; of longer recordings groups of rows are, over which noise with memory
-/// stands still.
+/// Rows filtered one by one; beyond, groups of rows are, over which noise with memory stands still.
 const FILTERED: usize = 8192;
 /// Fewer rows than these say nothing of memory.
 const LEAST: usize = 64;
@@ -54,7 +53,6 @@ const NEGLIGIBLE: f64 = 1e-4;
 
 /// Rows that are filtered at one time: residual, derivatives, and how each reads a noise of the field.
 pub struct Group {
-    /// The first and the last of their moments.
     span_s: [f64; 2],
     rows: Vec<Vec<f64>>,
 }
@@ -87,7 +85,6 @@ pub struct Groups {
 /// What a form makes of the rows.
 pub struct Filtered {
     pub form: Form,
-    /// The rows, whitened.
     pub linear: Linear,
     /// Variance σ² of the white noise, over the square of the typical magnitude.
     pub variance: f64,
@@ -106,8 +103,7 @@ pub struct Average {
 }
 
 impl Groups {
-    /// Rows about a fit; None for a few rows, and without times in order where there must
-    /// be some.
+    /// Rows about a fit; None for a few rows or without needed times.
     ///
     /// The derivatives are taken at the most likely field, b̂ = b (1 − φ r) and F̂ = F + (1 − φ) r with φ the
     /// sensors' share of the noise: at what was read, they would be correlated with the residual. What noise
@@ -172,8 +168,7 @@ impl Groups {
         })
     }
 
-    /// Rows against a field that is known with its direction: behind so many columns, what each reads of the
-    /// noise of the field.
+    /// Rows against a known field: behind so many columns, what each reads of the noise of the field.
     pub fn of_rows(recordings: Vec<Vec<Group>>, columns: usize, rows: f64) -> Self {
         let memories = &[Memory::Sensors, Memory::Field];
         Self { recordings, columns, rows, each: 1.0, exponents: &EXPONENTS, memories }
@@ -243,8 +238,7 @@ impl Groups {
         Some(all)
     }
 
-    /// The rows whitened by a form of noise with the variance σ² of its white part; `whole` where they are
-    /// whole recordings and not parts.
+    /// The rows whitened by a form of noise with white variance σ²; `whole` for whole recordings.
     pub fn linear(&self, form: Form, variance: f64, whole: bool) -> Option<Linear> {
         let (upper, _) = self.whitened(form, whole)?;
         Some(Linear::of(&upper, variance))
@@ -259,8 +253,7 @@ impl Groups {
         for of in self.memories.iter().filter(|_| searched) {
             let exponents = if *of == Memory::Magnitude { &EXPONENTS_OF_MAGNITUDE } else { self.exponents };
             for exponent in exponents.iter().copied() {
-                // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of the groups, which are
-                // the longer, and of the rows.
+                // Equal densities of both, 2σ²Δt = A f^-α, at one over ten steps: of groups and rows.
                 let equal = |step: f64| 2.0 * row * (0.1 / step).powf(exponent);
                 let more = ((equal(row) / equal(step)).ln() / RATIO_STEP.ln() - 1e-9).ceil() as i32;
                 let ratios = (-RATIOS..=RATIOS + more).map(|k| equal(step) * RATIO_STEP.powi(k));
@@ -360,8 +353,7 @@ fn restricted(linear: &Linear, held: &Linear, rows: f64, logarithm: f64) -> Opti
     log_likelihood.is_finite().then_some((variance, log_likelihood))
 }
 
-/// Gives the rows of one recording, whitened, with the number of their group; the logarithm of the
-/// determinant of their covariance.
+/// Gives the whitened rows of a recording with their groups; the logarithm of the covariance's determinant.
 fn innovations(
     groups: &[Group],
     columns: usize,

@@ -44,7 +44,6 @@ impl Source {
 /// One recording, rows with all readings alone.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// Place in the document.
     pub index: usize,
     pub id: String,
     /// Times of the rows, s; None where there are none.
@@ -77,8 +76,7 @@ impl Series {
 
 /// The unit of the readings, and the recordings.
 ///
-/// Errors: no recording with sensors and a magnitude; a sensor that does not move; a reference in another
-/// unit; readings in V and in nT.
+/// Errors: no recording with sensors and a magnitude; a still sensor; another unit; readings in V and in nT.
 pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>), Error> {
     let mut all: Vec<(Unit, Series)> = Vec::new();
     let mut without = None;
@@ -138,7 +136,6 @@ pub fn is_free(recording: &Recording) -> bool {
     recording.procedure == procedure::FREE_RUN && !recording.columns.keys().any(driven)
 }
 
-/// The columns of the sensors in a unit.
 pub fn columns(unit: Unit) -> [String; 3] {
     Axis::ALL.map(|axis| format!("sensor_{axis}_{}", unit.suffix()))
 }
@@ -148,7 +145,6 @@ pub fn unit_of(has: impl Fn(&String) -> bool) -> Option<Unit> {
     [Unit::Volt, Unit::Nanotesla].into_iter().find(|unit| columns(*unit).iter().all(&has))
 }
 
-/// The rows with all readings.
 fn series(
     recording: &Recording,
     index: usize,
@@ -176,7 +172,6 @@ fn series(
     }
 }
 
-/// The magnitude of each row, nT.
 fn magnitude(
     recording: &Recording,
     index: usize,
@@ -198,18 +193,14 @@ fn magnitude(
     if let Some(stated) = recording.conditions.quantity(MAGNITUDE, &path)? {
         let value = stated.value();
         if value.is_nan() || value <= 0.0 {
-            return Err(Error::document(
-                format!("{path}.conditions.{MAGNITUDE}"),
-                quoted(value),
-                "a positive number",
-            ));
+            let key = format!("{path}.conditions.{MAGNITUDE}");
+            return Err(Error::document(key, quoted(value), "a positive number"));
         }
         return Ok(Some((Source::Stated, vec![value; recording.rows()])));
     }
     Ok(options.constant_magnitude.then(|| (Source::Constant, vec![1.0; recording.rows()])))
 }
 
-/// Sensors that move, and a reference in nT.
 fn check(series: &Series, unit: Unit, document: &Document) -> Result<(), Error> {
     let path = series.path();
     if series.rows.is_empty() {
@@ -256,15 +247,15 @@ pub fn along(document: &Document, unit: Unit, series: &Series) -> [Vec<f64>; 3] 
     })
 }
 
-/// The usual length of the readings at the nominal sensitivity, nT.
-pub fn by_nominal(length: f64, unit: Unit, document: &Document) -> Option<f64> {
-    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
-    let scale = if unit == Unit::Nanotesla { Some(1.0) } else { nominal };
-    scale.map(|scale| scale * length)
+/// The nT of a unit of the readings where no calibration states them.
+pub fn nominal(document: &Document, unit: Unit) -> Option<f64> {
+    match unit {
+        Unit::Volt => document.instrument.as_ref()?.nominal_sensitivity_nt_per_v,
+        Unit::Nanotesla => Some(1.0),
+    }
 }
 
-/// That a magnitude is in nT: it is like that of a field, and like that which the readings are of, nT, where
-/// that is known.
+/// That a magnitude is in nT: like that of a field, and like that of the readings where they tell it.
 ///
 /// Errors: a magnitude that is in another unit, at a place of the document.
 pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(), Error> {
@@ -289,8 +280,7 @@ pub fn in_units(column: String, magnitude: f64, read: Option<f64>) -> Result<(),
 
 /// How large a field the readings along the axes are of, nT: offsets that are not stated can make them longer
 /// than the field, but not let them vary more than a field that is turned. So it is their length where that
-/// is less than the magnitude, else the root of the sum of the squares of their median deviations; between
-/// the two the readings fit the magnitude.
+/// is below the magnitude, else the root of the sum of squared median deviations; between both they fit.
 fn size_of(along: &[Vec<f64>; 3], magnitude_nt: f64) -> f64 {
     let rows = 0..along[0].len();
     let mut lengths: Vec<f64> =
@@ -303,13 +293,11 @@ fn size_of(along: &[Vec<f64>; 3], magnitude_nt: f64) -> f64 {
     magnitude_nt.clamp(varies.min(length), length)
 }
 
-/// The sensitivity that the document states of a sensor, its own or the instrument's nominal one; a reading
-/// in nT is the field where it states none.
+/// The sensitivity that the document states of a sensor, its own or the nominal one.
 pub fn sensitivity(document: &Document, unit: Unit, axis: Axis) -> Option<f64> {
-    let nominal = document.instrument.as_ref().and_then(|instrument| instrument.nominal_sensitivity_nt_per_v);
     let sensor = document.calibration.as_ref().and_then(|calibration| calibration.sensor(axis));
     let own = sensor.and_then(|sensor| physics::sensitivity(sensor, unit)).map(Quantity::value);
-    own.or(if unit == Unit::Volt { nominal } else { Some(1.0) })
+    own.or_else(|| nominal(document, unit))
 }
 
 /// Whether the document states the sensitivities of all three sensors.

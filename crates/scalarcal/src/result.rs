@@ -24,7 +24,6 @@ use crate::{Error, weakest, words};
 const MORE_ATTITUDES: &str =
     "record further attitudes, so that the field lies along each sensor in both directions and between them";
 
-/// Takes the calibration into the document.
 pub fn adopt(document: &mut Document, mut solved: Solved, series: &[Series]) -> Result<(), Error> {
     solved.scalar = describe(document, &solved, series);
     let joint = joint(document, &solved)?;
@@ -63,18 +62,15 @@ pub fn adopt(document: &mut Document, mut solved: Solved, series: &[Series]) -> 
     Ok(())
 }
 
-/// The effects that were fitted, in the model.
 fn model(document: &mut Document, solved: &Solved) {
     let found = instances(solved);
-    // As the fit took them off: those of other recordings and times stay.
-    let of = |one: &AdoptedEffect| {
-        (one.effect.clone(), one.sensor, one.column.clone(), one.recording.clone(), one.from_s, one.to_s)
-    };
     if found.is_empty() && document.model.is_none() {
         return;
     }
     let all = &mut document.model.get_or_insert_default().effects;
-    all.retain(|one| !found.iter().any(|(other, _)| of(one) == of(other)));
+    // As the fit took them off: those of other recordings and times stay.
+    let is = |one: &AdoptedEffect, other| uncertainty::effect(one, "") == uncertainty::effect(other, "");
+    all.retain(|one| !found.iter().any(|(other, _)| is(one, other)));
     all.extend(found.into_iter().map(|(effect, _)| effect));
 }
 
@@ -170,7 +166,6 @@ fn positive(share: &Mat<f64>, whole: &Mat<f64>) -> Result<Mat<f64>, Error> {
     Ok(&root * root.transpose())
 }
 
-/// What is said of the calibration.
 fn describe(document: &Document, solved: &Solved, series: &[Series]) -> ScalarCalibration {
     let Solved { given, model, found, .. } = solved;
     let earlier = earlier(document, solved);
@@ -205,8 +200,7 @@ fn describe(document: &Document, solved: &Solved, series: &[Series]) -> ScalarCa
     scalar
 }
 
-/// Whether the calibration of the document was found from some of the same recordings; those that are joined
-/// keep their ids.
+/// Whether the document's calibration was found from some of the same recordings, by their ids.
 pub fn earlier(document: &Document, solved: &Solved) -> bool {
     let before = document.calibration.as_ref().and_then(|calibration| calibration.scalar.as_ref());
     let single =
@@ -217,7 +211,6 @@ pub fn earlier(document: &Document, solved: &Solved) -> bool {
     })
 }
 
-/// Every parameter in its unit.
 fn parameters(solved: &Solved, earlier: bool, mixed: bool) -> Vec<ScalarParameter> {
     let Solved { model, found, .. } = solved;
     let count = model.parameters.len();
@@ -281,8 +274,7 @@ fn against_known(solved: &Solved) -> Option<AgainstKnown> {
     let mut covariance = weights * found.seen.covariance() * weights.transpose();
     let mut residual = ColRef::from_slice(&known.about(&found.state).right).to_owned();
     if given.known {
-        // At the joint minimum the readings pull as much as what is known does, Jᵀr = −Wᵀρ: without it the
-        // state is C Wᵀρ away.
+        // At the joint minimum Jᵀr = −Wᵀρ: without what is known the state is C Wᵀρ away.
         residual = &residual + &covariance * &residual;
     }
     covariance += Mat::<f64>::identity(weights.nrows(), weights.nrows());
@@ -291,10 +283,6 @@ fn against_known(solved: &Solved) -> Option<AgainstKnown> {
     let chi_squared = RowRef::from_slice(&solved) * &residual;
     let degrees_of_freedom = weights.nrows() as f64;
     let p_value = stats::chi_squared_p(chi_squared, degrees_of_freedom);
-    (chi_squared >= 0.0).then_some(AgainstKnown {
-        chi_squared,
-        degrees_of_freedom,
-        p_value,
-        used: given.known,
-    })
+    let against = AgainstKnown { chi_squared, degrees_of_freedom, p_value, used: given.known };
+    (chi_squared >= 0.0).then_some(against)
 }

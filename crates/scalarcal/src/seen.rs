@@ -138,8 +138,7 @@ pub struct Part {
 }
 
 /// χ² of the parts: with r the residuals of all and J their derivatives, Σ |P_J r|² over the parts, P_J on
-/// the range of a part's derivatives, is what the parts gain by parameters of their own. None for fewer than
-/// two parts.
+/// the range of a part's derivatives, is what the parts gain by parameters of their own. None for one.
 fn stability(solved: &Solved, parts: Vec<Part>) -> Result<Option<ScalarStability>, Error> {
     // By the magnitude, which does not show the turn of the sensors; what is held is then of the turn too.
     let turned = solved.scalar.vector.is_some();
@@ -224,9 +223,7 @@ fn pieces(series: &[Series], parameters: usize) -> Vec<(usize, usize, usize)> {
     let of = |(number, one): (usize, &Series)| {
         let rows = one.len();
         let parts = (rows / (ROWS_PER_PARAMETER * parameters)).clamp(1, PARTS);
-        (0..parts)
-            .map(move |part| (number, rows * part / parts, rows * (part + 1) / parts))
-            .collect::<Vec<_>>()
+        (0..parts).map(move |part| (number, rows * part / parts, rows * (part + 1) / parts))
     };
     series.iter().enumerate().flat_map(of).filter(|(_, from, to)| to > from).collect()
 }

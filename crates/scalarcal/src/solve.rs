@@ -4,7 +4,7 @@ use common::number::counted;
 use common::{Code, Document, Finding, Findings};
 use estimate::robust::{bisquare, scale_of};
 use nalgebra::Matrix3;
-use physics::{Basic, EffectInstance, Unit};
+use physics::{Basic, Unit};
 
 use crate::design::{Rows, Scales};
 use crate::directions::frame;
@@ -19,7 +19,6 @@ use crate::{Error, Options, checks, start};
 
 /// Rounds in which what effects follow, and what those of the model add, settle with the sensors.
 const ROUNDS: usize = 3;
-/// Most rounds of reweighting.
 const REWEIGHTINGS: usize = 30;
 /// Weights that change by less are settled.
 const SETTLED: f64 = 1e-6;
@@ -54,7 +53,7 @@ pub fn solve(document: &Document, options: &Options) -> Result<(Solved, Vec<Seri
     let effects = asked(document, options)?;
     let mut adopted = physics::adopt(document).map_err(|error| error.at("model"))?;
     // What is fitted anew is not taken off.
-    adopted.retain(|one| !effects.iter().any(|other| replaces(other, one)));
+    adopted.retain(|one| !effects.iter().any(|other| other.is_same(one) && other.within == one.within));
     let stated = stated_magnitude(document, &series)?;
     let mut given = Given::of(document, &options.fit, unit, scales)?;
     (given.constant, given.stated) = (constant, stated);
@@ -113,14 +112,6 @@ pub fn basic(state: &State, scales: &Scales, like: &Matrix3<f64>) -> Basic {
     basic
 }
 
-/// Whether a fitted effect takes the place of one of the model: the same of all recordings at all times.
-fn replaces(fitted: &EffectInstance, one: &EffectInstance) -> bool {
-    let of = |effect: &EffectInstance| {
-        (effect.kind, effect.axis, effect.column.clone(), effect.recording.clone(), effect.within)
-    };
-    of(fitted) == of(one)
-}
-
 /// Leaves out recordings of a magnitude that is not known beside ones where it is; says so in a sentence.
 fn unlike(series: &mut Vec<Series>) -> Option<Finding> {
     let known = series.iter().any(|one| one.source != Source::Constant);
@@ -128,10 +119,9 @@ fn unlike(series: &mut Vec<Series>) -> Option<Finding> {
     series.retain(|one| !known || one.source != Source::Constant);
     let left = before - series.len();
     (left > 0).then(|| {
-        Code::MagnitudeUnknownInSome.said(format!(
-            "{} without a known magnitude left out: others have one",
-            counted(left, "recording")
-        ))
+        let recordings = counted(left, "recording");
+        let words = format!("{recordings} without a known magnitude left out: others have one");
+        Code::MagnitudeUnknownInSome.said(words)
     })
 }
 
@@ -140,8 +130,7 @@ const ALIKE: f64 = 0.05;
 
 /// Relative standard uncertainty of a stated magnitude.
 ///
-/// Errors: magnitudes that are stated with an uncertainty beside another reference, or several: each would
-/// need a scale of its own.
+/// Errors: uncertain magnitudes beside another reference, or several: each would need a scale of its own.
 fn stated_magnitude(document: &Document, series: &[Series]) -> Result<Option<f64>, Error> {
     let of = |one: &Series| {
         let conditions = &document.recordings[one.index].conditions;
@@ -178,17 +167,12 @@ fn kept(solved: &Solved, rows: &mut Rows<'_>) -> Result<Vec<Vec<bool>>, Error> {
         if scale <= 0.0 || scale.is_nan() {
             break;
         }
-        let weights: Vec<Vec<f64>> = residuals
-            .iter()
-            .map(|values| values.iter().map(|value| bisquare(value / scale)).collect())
-            .collect();
-        let change = match &rows.weights {
-            Some(before) => {
-                let pairs = before.iter().flatten().zip(weights.iter().flatten());
-                pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
-            }
-            None => f64::INFINITY,
-        };
+        let weigh = |values: &Vec<f64>| values.iter().map(|value| bisquare(value / scale)).collect();
+        let weights: Vec<Vec<f64>> = residuals.iter().map(weigh).collect();
+        let change = rows.weights.as_ref().map_or(f64::INFINITY, |before| {
+            let pairs = before.iter().flatten().zip(weights.iter().flatten());
+            pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+        });
         rows.weights = Some(weights);
         if change < SETTLED {
             break;

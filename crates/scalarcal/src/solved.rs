@@ -21,18 +21,14 @@ use crate::terms::Factor;
 use crate::weakest::{self, UNDETERMINED};
 use crate::{Error, start};
 
-/// A parameter more than this many times as uncertain as the mean residual counts as undetermined: small
-/// unmodelled effects would decide it.
+/// A parameter more than this times as uncertain as the mean residual is undetermined: small effects decide.
 const MOST_WEAK: f64 = 1000.0;
-/// Standard uncertainties with which parameters are held where they begin, when a fit finds no minimum
-/// without.
+/// Standard uncertainties with which parameters are held at the start, when no minimum is found without.
 const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];
 
-/// A calibration with all that stands behind it.
 pub struct Solved {
     pub given: Given,
     pub model: Model,
-    /// Effects that were fitted.
     pub effects: Vec<EffectInstance>,
     /// Rows of the fit for what no reading shows and is held.
     pub held: Linear,
@@ -136,7 +132,6 @@ impl Solved {
         Ok(looked)
     }
 
-    /// The unit of a residual, nT.
     pub fn unit_nt(&self) -> f64 {
         self.given.scales.magnitude_nt * self.model.scale(&self.found.state)
     }
@@ -146,8 +141,7 @@ impl Solved {
         (self.scalar.noise.white_rms_nt.unwrap_or(0.0) / self.unit_nt()).powi(2)
     }
 
-    /// Rows about a fit of a model, as they are whitened; `plain` is their factor, where white noise is
-    /// declared.
+    /// Rows about a fit as they are whitened; `plain` is their factor, where white noise is declared.
     pub fn groups(
         &self,
         rows: &Rows<'_>,
@@ -170,10 +164,9 @@ fn most(variance: f64, rows: u64) -> f64 {
 
 /// That the rotations determine every parameter, by a fit that takes what is left to be white: of an offset
 /// that wanders they say no more, but that is no fault of theirs.
-pub fn determined(solved: &Solved, rows: &Rows<'_>) -> Result<(), Error> {
+fn determined(solved: &Solved, rows: &Rows<'_>) -> Result<(), Error> {
     let Solved { given, model, found, .. } = solved;
-    // A scale of sensors and field together, where that of the field is a parameter, is as uncertain as what
-    // is known of it: the rest counts.
+    // A scale of sensors and field together is as uncertain as what is known of it: the rest counts.
     let scale = model.scale(&found.state);
     let apart = Mat::from_fn(NINE, model.parameters.len(), |i, j| {
         let own = if i == j { 1.0 } else { 0.0 };
@@ -207,7 +200,7 @@ pub fn wandering(solved: &Solved) -> Option<Finding> {
 
 /// What [`determined`] says, for a fit that found no minimum: with the parameters held loosely where they
 /// begin there is one, and it says what the readings do not.
-pub fn short(
+fn short(
     given: &Given,
     model: &Model,
     plain: &Factor,
@@ -226,8 +219,7 @@ pub fn short(
     let found = LOOSELY.iter().find_map(|std| fit(given, model, plain, (held, &loosely(std)), starts).ok());
     let (state, jacobian, variance) = match found {
         Some(found) => (found.state, found.jacobian, found.variance),
-        // Not even those are found: the derivatives where they begin, and what is left when they are
-        // followed.
+        // Not even those: the derivatives where they begin, and what is left along them.
         None => {
             let (jacobian, squares) = explained(model, &plain.upper(), &starts[0])?;
             let variance = (squares / number as f64).max(f64::MIN_POSITIVE);

@@ -1,5 +1,4 @@
-//! Where the iteration begins: the calibration that the document states, and the ellipsoid of linear least
-//! squares.
+//! Where the iteration begins: the stated calibration, and the ellipsoid of linear least squares.
 
 use common::{Axis, Document};
 use estimate::Svd;
@@ -44,7 +43,6 @@ pub fn scales_of(document: &Document, unit: Unit, mean_nt: Option<f64>, swing: f
     Scales { magnitude_nt, sensitivity: stated.map(|stated| stated.unwrap_or(nominal)) }
 }
 
-/// The states to begin from.
 pub fn starts(given: &Given, model: &Model, factor: &Factor) -> Result<Vec<State>, Error> {
     let all = std::iter::once(given.nine).chain(ellipsoid(model, factor)?);
     Ok(all.map(|nine| model.with(&nine)).collect())
@@ -89,38 +87,4 @@ fn ellipsoid(model: &Model, factor: &Factor) -> Result<Option<[f64; NINE]>, Erro
         nine[6 + place] = k[*a] * inverse[(*a, *b)] * k[*b];
     }
     Ok(nine.iter().all(|value| value.is_finite()).then_some(nine))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::design::Rows;
-    use crate::{Options, read};
-
-    /// The meadow by numpy's `lstsq` (`fixtures/reference/scalar_scipy.py`): sensitivities over 6400 nT/V,
-    /// offsets over the mean magnitude, cosines.
-    #[test]
-    fn the_ellipsoid_is_that_of_numpy() {
-        let expected = [
-            1.001997401536146,
-            0.9970022830396945,
-            1.0010027647888156,
-            0.0002535843194534819,
-            -0.00016399631827044845,
-            8.486217291403247e-5,
-            0.008727490152311005,
-            -0.005239848762357719,
-            0.0034881280691217253,
-        ];
-        let document =
-            Document::parse(&testkit::read_fixture("scalarcal/meadow/input.json")).expect("a document");
-        let (unit, series) = read::read(&document, &Options::default()).expect("recordings");
-        let scales = scales(&document, unit, &series);
-        let model = Model::new(ONE + 1, []);
-        let rows = Rows::new(&series, scales);
-        let found = ellipsoid(&model, &rows.factor(&model.terms)).expect("a fit").expect("an ellipsoid");
-        for (found, expected) in found.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
-        }
-    }
 }

@@ -3,8 +3,7 @@
 //! What white-noise rows say of the calibration is in the triangular factor of their products
 //! ([`crate::terms`]). Kept are such factors by windows of time that double in width as the series grows
 //! ([`windows`]), apart for rows at the ends of the sensors' ranges until it is known whether readings are
-//! piled up there ([`crate::checks`]), and a sample of rows, which shows how the sensors were
-//! turned.
+//! piled up there ([`crate::checks`]), and a sample of rows, to show the turns.
 
 mod answer;
 mod memory;
@@ -115,8 +114,7 @@ impl Take for Statistics {
     type Partial = Partial;
 
     /// Columns: times (s), the outputs of the sensors x, y, z, and the magnitude of the field or its three
-    /// components (nT). NaN stands for a missing reading. What comes out does not depend on how the rows are
-    /// cut into batches.
+    /// components (nT). NaN stands for a missing reading. Batches do not change the result.
     fn push(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
         let [time_s, x, y, z, first, more @ ..] = columns else {
             let (found, expected) = (columns.len(), 5);

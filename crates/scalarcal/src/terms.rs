@@ -77,13 +77,11 @@ impl Terms {
 ///
 /// With z + e in place of z, e of covariance S, E[(z_f+e_f)(z_g+e_g)(z_h+e_h)(z_k+e_k)] is z_f z_g z_h z_k
 /// plus this, written with the products that were read: Σ S_fg E[z_h z_k] over the six pairs less Σ S_fg S_hk
-/// over the three. Taken off the normal equations, it leaves an estimate without bias at any size of the
-/// noise.
+/// over the three. Taken off the normal equations, it removes the bias.
 ///
 /// `variance` is S, diagonal, over all columns and F; `moments(f, g)` is Σ z_f z_g/4F² over the rows.
 ///
-/// Source: I. Markovsky, A. Kukush, S. Van Huffel, Consistent least squares fitting of ellipsoids, Numer.
-/// Math. 98 (2004) 177–194.
+/// I. Markovsky et al., Consistent least squares fitting of ellipsoids, Numer. Math. 98 (2004) 177–194.
 pub fn added_by_noise(terms: &Terms, variance: &[f64], moments: impl Fn(usize, usize) -> f64) -> Mat<f64> {
     let s = |f: usize, g: usize| if f == g { variance[f] } else { 0.0 };
     let weight = moments(ONE, ONE);
@@ -116,7 +114,6 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// No rows of so many columns.
     pub fn new(columns: usize) -> Self {
         Self { rows: 0, triangle: Triangle::new(columns), waiting: Vec::new() }
     }
@@ -137,7 +134,6 @@ impl Factor {
         self
     }
 
-    /// Puts all rows into the triangle.
     pub fn settle(&mut self) {
         let columns = self.triangle.columns();
         let fill = |j: usize, below: &mut [f64]| {

@@ -17,8 +17,7 @@ use crate::{Error, Options};
 /// What is not determined, and what would determine it.
 const OPEN: &str = "the field hardly turns in the sensors: their scale factors one by one and the angles between them are not determined, and the stated ones are kept; rotations in the field, or absolute measurements, would determine them";
 
-/// Writes the main field to `calibration.sensors`, and what stands behind it to `calibration.scalar`; None where
-/// the recordings are not such readings.
+/// Writes the main field to `calibration.sensors`, the rest to `calibration.scalar`; None for other readings.
 pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Document>, Error> {
     let (unit, series) = read(document, options)?;
     let suits = |one: &Series| one.source == Source::Scalar && one.time_s.is_some();
@@ -57,9 +56,9 @@ pub fn calibrated(document: &Document, options: &Options) -> Result<Option<Docum
     };
     scalar.findings.push(Code::NotDetermined.said(OPEN));
     if level.alone {
-        scalar.findings.push(Code::LevelOnly.said(
-            "the readings show no slopes but those of the stated calibration: only the level is fitted",
-        ));
+        let words =
+            "the readings show no slopes but those of the stated calibration: only the level is fitted";
+        scalar.findings.push(Code::LevelOnly.said(words));
     }
     scalar.findings.extend(explained(&of, &covariates));
     document.calibration.get_or_insert_default().scalar = Some(Box::new(scalar));
@@ -72,8 +71,8 @@ fn readings(document: &Document, series: &[Series], unit: Unit) -> Readings {
     let unmix = unmixed(&Basic::found(document, unit).mu);
     for one in series {
         let start = document.recordings[one.index].start().zip(References::of(document).beginning_s);
-        let (clock, [x, y, z]) =
-            (start.map_or(0.0, |(start, first)| start.unix_s - first), along(document, unit, one));
+        let clock = start.map_or(0.0, |(start, first)| start.unix_s - first);
+        let [x, y, z] = along(document, unit, one);
         for (row, time_s) in one.time_s.iter().flatten().enumerate() {
             all.time_s.push(time_s + clock);
             all.b.push((unmix * nalgebra::Vector3::new(x[row], y[row], z[row])).into());
@@ -119,14 +118,13 @@ fn parameters(
 /// What explains the rest, in words.
 fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<Finding> {
     let mut said = Vec::new();
+    let sized = |size: &Quantity| uncertain(size.value(), size.std().unwrap_or(0.0));
     for one in &of.explained.causes {
-        let size = &one.channels[0][0];
-        let (value, std) = (size.value(), size.std().unwrap_or(0.0));
         match one.cause {
             Cause::Covariate(number) => {
-                let name = &covariates[number].name;
+                let (name, size) = (&covariates[number].name, sized(&one.channels[0][0]));
                 let unit = common::unit::in_words(name);
-                let words = format!("the rest follows `{name}` by {} nT/{unit}", uncertain(value, std));
+                let words = format!("the rest follows `{name}` by {size} nT/{unit}");
                 said.push(Code::Contribution.about(name).said(words));
             }
             Cause::Time => said.push(Code::Contribution.about("drift").said("the rest drifts with time")),
@@ -137,20 +135,16 @@ fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<Finding>
         let words = format!("the scalar magnetometer's times are late by {} s", clock.offset_s);
         said.push(Code::Contribution.about("clock").said(words));
     }
-    let step = |one: &Amplitude| match one.cause {
-        Cause::Course(number) => match of.acting[number] {
-            Acting::Step(at_s) => Some((at_s, one.channels[0][0].clone())),
-            _ => None,
-        },
-        _ => None,
+    let step = |one: &Amplitude| {
+        let Cause::Course(number) = one.cause else { return None };
+        let Acting::Step(at_s) = of.acting[number] else { return None };
+        Some((at_s, one.channels[0][0].clone()))
     };
     let mut steps: Vec<(f64, Quantity)> = of.explained.causes.iter().filter_map(step).collect();
     steps.sort_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((at_s, size)) = steps.first() {
-        let (size, std) = (size.value(), size.std().unwrap_or(0.0));
-        let at = significant(*at_s, 6);
-        let count = counted(steps.len(), "step");
-        let words = format!("{count} in the rest, the first by {} nT at {at} s", uncertain(size, std));
+        let (count, size, at) = (counted(steps.len(), "step"), sized(size), significant(*at_s, 6));
+        let words = format!("{count} in the rest, the first by {size} nT at {at} s");
         said.push(Code::Contribution.about("steps").said(words));
     }
     said

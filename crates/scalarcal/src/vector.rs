@@ -1,5 +1,4 @@
-//! Twelve parameters: the readings against a field that is known with its direction, by a model or an
-//! observatory, turned into SEN by the attitude.
+//! Twelve parameters: the readings against a field known with its direction, turned into SEN by the attitude.
 //!
 //! The field B in GEO gives μᵢ·RB along each sensor, and ρᵢ = kᵢVᵢ + Oᵢ − μᵢ·RB is linear in all but the
 //! directions. Along the field μ⁻ᵀρ has the errors of the field model; across it those of the attitude as
@@ -50,8 +49,7 @@ pub fn solve(document: &Document, mut solved: Solved, series: &[Series]) -> Resu
     let before = solved.found.state.len();
     solved.model.parameters.extend((0..3).map(Parameter::Turn));
     solved.found.state.extend([0.0; 3]);
-    // Beside a scalar magnetometer the calibration by the magnitude is held as it was found, with its
-    // covariance.
+    // Beside a scalar magnetometer the calibration by the magnitude is held, with its covariance.
     let by_magnitude = solved.found.clone();
     solved.held =
         if vectors.scalar { known(&solved.found, before).padded(count) } else { Linear::none(count) };
@@ -83,8 +81,7 @@ pub fn solve(document: &Document, mut solved: Solved, series: &[Series]) -> Resu
             let averaged = groups.average(
                 &mut solved.found,
                 (&solved.held, &solved.known),
-                // What the sensors declare of their memory may be too small beside the noise of the field to
-                // be found.
+                // The sensors' memory may be too small beside the noise of the field.
                 (base.unwrap_or(WHITE), true, scales.magnitude_nt),
             )?;
             noise = averaged;

@@ -17,8 +17,7 @@ use crate::terms::ONE;
 const SAMPLE: usize = 400;
 /// Parameters with a smaller share of the weakest combination, of the largest one, are not named.
 const NAMED: f64 = 0.3;
-/// A combination that is uncertain by more than this share of the magnitude is not determined: the fit is not
-/// linear over it.
+/// A combination more uncertain than this share of the magnitude is not determined: the fit is not linear.
 pub const UNDETERMINED: f64 = 0.1;
 /// Directions lie on a cone where they scatter about it by less than this share of how they scatter along it.
 const ON_A_CONE: f64 = 0.02;
@@ -40,8 +39,7 @@ pub fn directions(
     all.into_iter().step_by(step).map(of).collect()
 }
 
-/// The weakest combination of the parameters by what the readings alone say; `jacobian` is a factor of the
-/// whitened derivatives.
+/// The weakest combination by the readings alone; `jacobian` is a factor of the whitened derivatives.
 pub fn weakest(
     model: &Model,
     state: &State,
@@ -118,8 +116,7 @@ pub fn least(information: &Mat<f64>) -> Option<(f64, Vec<f64>)> {
     Some((value, (0..values.nrows()).map(|i| own.U()[(i, place)]).collect()))
 }
 
-/// Derivatives of |B| by the parameters at some fields, unweighted, as their information; effects do not act
-/// there.
+/// Derivatives of |B| by the parameters at some fields, unweighted, as information; effects do not act there.
 fn information_of(
     model: &Model,
     state: &State,
@@ -144,18 +141,17 @@ fn information_of(
 }
 
 /// The axis about which directions turn, where they lie on a cone about it.
-pub fn cone(directions: &[Vector3<f64>]) -> Option<String> {
+fn cone(directions: &[Vector3<f64>]) -> Option<String> {
     let units: Vec<Vector3<f64>> = directions.iter().map(Vector3::normalize).collect();
     let mean = units.iter().sum::<Vector3<f64>>() / units.len() as f64;
     let scatter: Matrix3<f64> = units.iter().map(|unit| (unit - mean) * (unit - mean).transpose()).sum();
     let own = scatter.symmetric_eigen();
-    let place = own.eigenvalues.imin();
-    let mut others: Vec<f64> = own.eigenvalues.iter().copied().collect();
-    others.sort_by(f64::total_cmp);
-    if others[0] > ON_A_CONE * others[1] || others[1] <= 0.0 {
+    let mut sorted: [f64; 3] = own.eigenvalues.into();
+    sorted.sort_by(f64::total_cmp);
+    if sorted[0] > ON_A_CONE * sorted[1] || sorted[1] <= 0.0 {
         return None;
     }
-    let axis: Vector3<f64> = own.eigenvectors.column(place).into_owned();
+    let axis: Vector3<f64> = own.eigenvectors.column(own.eigenvalues.imin()).into_owned();
     let nearest = axis.iamax();
     Some(if axis[nearest].abs() > 0.985 {
         AXES[nearest].to_string()

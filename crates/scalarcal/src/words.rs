@@ -106,7 +106,6 @@ pub(crate) fn failed(error: Error) -> Error {
     })
 }
 
-/// What looks wrong, in sentences.
 pub(crate) fn findings(solved: &Solved, scalar: &ScalarCalibration) -> Vec<Finding> {
     let mut all = Vec::new();
     let reference = scalar.reference_offset.as_ref();

@@ -57,10 +57,9 @@ fn solve(
     let columns = Terms::new(ONE + 1).count();
     let raw = Factor::joined(columns, windows.iter().map(|window| &window.factor));
     if raw.rows == 0 {
-        return Err(Error::Request(
-            "no row in which all three sensors and the reference were read; expected rows without a null"
-                .into(),
-        ));
+        let words =
+            "no row in which all three sensors and the reference were read; expected rows without a null";
+        return Err(Error::Request(words.into()));
     }
     check(partial, document, &raw)?;
     let mean_nt = raw.product(columns - 2, columns - 1) / raw.product(columns - 2, columns - 2);
@@ -82,8 +81,7 @@ fn solve(
     Ok((solved, series, windows))
 }
 
-/// The windows without rows in which an output stands at the end of its range, and how many these are by
-/// sensor.
+/// The windows without rows at the end of a sensor's range, and how many these are by sensor.
 fn used(partial: &Partial) -> (Vec<Window>, Vec<(String, u64)>) {
     let piles = partial.ends.piles();
     let mut left_out = [0; 3];
@@ -130,7 +128,7 @@ fn check(partial: &Partial, document: &Document, raw: &Factor) -> Result<(), Err
     let magnitude_nt = mean_square(raw.product(last, last));
     let length = mean_square(Axis::ALL.into_iter().map(square).sum::<f64>());
     let column = if partial.source() == Source::Ambient { "ambient_x_nt" } else { "reference_nt" };
-    let read = read::by_nominal(length, unit, document);
+    let read = read::nominal(document, unit).map(|scale| scale * length);
     read::in_units(column.into(), magnitude_nt, read)
 }
 

@@ -22,8 +22,7 @@ use crate::noise::{Average, Groups, average, heaviest};
 /// Fewer windows than these do not show a scatter.
 const FEWEST: usize = 8;
 
-/// Where noise takes more than this share of what is seen of a parameter, memory is not looked for: what it
-/// adds to the products looks like it.
+/// Where noise takes more than this share of what is seen of a parameter, memory would not show.
 const NOISE_TAKES: f64 = 0.1;
 
 /// Moves a fit of white noise by what the forms of noise with memory move it, and widens its covariance.
@@ -95,8 +94,7 @@ fn turn(to: &Mat<f64>, from: &Mat<f64>) -> Option<Mat<f64>> {
     Some(Mat::from_fn(count, count, |i, j| transposed[(j, i)] * lengths[i] / lengths[j]))
 }
 
-/// How many times as uncertain each parameter is by leaving out each window in turn, one at least; None for
-/// few windows.
+/// How much more uncertain each parameter is by leaving out windows in turn, 1 at least; None for few.
 fn scatter(windows: &[Mat<f64>], variance: f64, known: &Linear) -> Option<Vec<f64>> {
     if windows.len() < FEWEST {
         return None;

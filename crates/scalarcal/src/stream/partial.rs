@@ -30,15 +30,13 @@ pub enum Error {
 
 impl common::Told for Error {}
 
-/// All that is kept of a piece of a series, whatever its length. Pieces are joined by [`partial::merge`] and
-/// answered by [`super::document`].
+/// What is kept of a piece of a series: joined by [`partial::merge`], answered by [`super::document`].
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(expecting = "an object")]
 pub struct Partial {
     /// Unit of the readings: `v` or `nt`.
     unit: String,
-    /// Whether the magnitude is the length of a known field (`ambient_*_nt`), and not that of a scalar
-    /// magnetometer.
+    /// Whether the magnitude is that of a known field (`ambient_*_nt`), not of a scalar magnetometer.
     ambient: bool,
     /// What is covered, s.
     pub(super) covered: Covered<f64>,

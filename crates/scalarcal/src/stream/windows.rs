@@ -1,8 +1,7 @@
 //! Factors of rows by windows of time, 2^level s wide, at whole multiples of their width.
 //!
 //! Where there are more windows than are kept, all become twice as wide, and two neighbours at most become
-//! one. Which windows there are is then decided by the times of the rows alone, whatever their order and the
-//! pieces in which they came.
+//! one. So the times of the rows alone decide the windows, not their order or pieces.
 
 use serde::{Deserialize, Serialize};
 

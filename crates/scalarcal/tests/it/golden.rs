@@ -1,5 +1,5 @@
-//! Golden documents, a line a case, and faults, each of which brings its message, its exit code, and nothing on
-//! standard output. BLESS=1 writes both anew; read the difference before it is kept.
+//! Golden documents, a line a case, and faults with their messages (BLESS=1 writes both anew: read the
+//! difference before it is kept), and the program's help.
 
 use common::{Document, to_text};
 use scalarcal::{Columns, FitOptions, Options, stream};
@@ -40,6 +40,12 @@ fn pieces() {
 #[test]
 fn each_fault_has_its_message() {
     assert!(testkit::faults("bad/scalarcal", SCALARCAL) >= 9);
+}
+
+#[test]
+fn examples_run_and_completions_and_man_pages_are_there() {
+    testkit::examples(SCALARCAL, &["stream", "merge"]);
+    testkit::manual(SCALARCAL);
 }
 
 /// Of tables and of pieces, which are made of the good tables and then damaged.

@@ -5,7 +5,6 @@ mod body;
 mod build;
 mod coverage;
 mod golden;
-mod help;
 mod orbit;
 mod references;
 mod stream;

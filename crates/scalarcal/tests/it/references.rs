@@ -21,8 +21,7 @@ const TURNED: [[f64; 3]; 3] = [
 const TURNED_STRENGTH: f64 = 44.3992302870631;
 const CENTRE: [f64; 3] = [-50.0, 20.0, 100.0];
 
-/// 21 by 21 points of a sphere, those of MATLAB's `ellipsoid` in its order, made an ellipsoid about the
-/// centre.
+/// 21 by 21 points of a sphere, MATLAB's `ellipsoid` in its order, as an ellipsoid about the centre.
 fn points(shape: Matrix3<f64>) -> Vec<Vector3<f64>> {
     let point = |row: i32| {
         let (height, angle) = (PI * f64::from(row % 21 - 10) / 20.0, PI * f64::from(row / 21 - 10) / 10.0);
