@@ -1,11 +1,10 @@
-//! The iron of the body on which the sensors are mounted, apart from their own calibration. FLUXCAL_CAMPAIGNS
-//! sets how many campaigns.
+//! The iron of the body on which the sensors are mounted, apart from their calibration (FLUXCAL_CAMPAIGNS).
 
 use common::{Axis, BodyIron, Document};
 use nalgebra::{Matrix3, Vector3};
 use scalarcal::{FitOptions, Options};
 
-use crate::build::{Campaign, findings, found, intervals_hold, near, run, scalar, told};
+use crate::build::{Campaign, errors, findings, found, intervals_hold, near, run, scalar, told};
 
 fn on_body() -> Campaign {
     Campaign {
@@ -42,8 +41,7 @@ fn truth(campaign: &Campaign) -> Vec<f64> {
     campaign.hard_nt.iter().copied().chain(soft).collect()
 }
 
-/// SEN is the frame in which the sensors are nearest to their nominal axes, that of the campaign has x along
-/// its x: the iron turned there.
+/// SEN is nearest to the sensors' nominal axes, the campaign's frame has x along x: the iron turned there.
 fn turned(campaign: &Campaign) -> Campaign {
     let mu = campaign.mu();
     let root = (mu.transpose() * mu).symmetric_eigen();
@@ -63,7 +61,7 @@ fn intervals_of_the_iron_hold() {
     let of = |seed: u64| {
         let document = run(both(&on_body(), seed), &Options::default());
         assert!(scalar(&document).includes_body);
-        iron(&document).iter().zip(&truth).map(|((value, std), truth)| (value - truth, *std)).collect()
+        errors(&iron(&document), &truth)
     };
     let names = ["x", "y", "z", "xx", "yy", "zz", "xy", "yz", "xz"];
     intervals_hold("iron", &names, (12, [0.93, 0.97]), of);

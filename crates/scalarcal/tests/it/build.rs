@@ -1,5 +1,4 @@
-//! Documents of sensors that are turned in a field, made without the forward model: b = μᵀ B + noise, V = (b
-//! − O)/k.
+//! Documents of sensors turned in a field, without the forward model: b = μᵀ B + noise, V = (b − O)/k.
 
 use common::{Axis, Calibration, Document, Noise, NoiseOfSensors, ScalarCalibration};
 use indexmap::IndexMap;
@@ -159,8 +158,7 @@ impl Campaign {
         serde_json::from_value(document).expect("a document")
     }
 
-    /// The nine true parameters, in the order in which they are written: sensitivities, offsets, angles
-    /// (arcsec).
+    /// The nine true parameters, in order: sensitivities, offsets, angles (arcsec).
     pub fn truth(&self) -> [f64; 9] {
         let arcsec = self.angles.map(|angle| angle.to_degrees() * 3600.0);
         std::array::from_fn(|k| [self.sensitivity, self.offset_nt, arcsec][k / 3][k % 3])
@@ -225,6 +223,11 @@ pub fn found(document: &Document) -> Vec<(f64, f64)> {
     scalar(document).parameters.iter().map(|parameter| (parameter.value, parameter.std)).collect()
 }
 
+/// Errors of values with their standard uncertainties, as far as the truth goes.
+pub fn errors(found: &[(f64, f64)], truth: &[f64]) -> Vec<(f64, f64)> {
+    found.iter().zip(truth).map(|((value, std), truth)| (value - truth, *std)).collect()
+}
+
 /// That each value is within four standard uncertainties of the truth, as far as that goes.
 pub fn near(found: &[(f64, f64)], truth: &[f64]) {
     for ((value, std), truth) in found.iter().zip(truth) {
@@ -248,8 +251,7 @@ pub fn directions(calibration: &Calibration) -> [Vector3<f64>; 3] {
 }
 
 /// Runs so many campaigns as are usual (FLUXCAL_CAMPAIGNS sets another number) and checks that intervals of
-/// 95 % hold as often as a band says. `of` a seed gives error and standard uncertainty of each parameter; all
-/// are returned.
+/// 95 % hold as often as a band says. Error and standard uncertainty come of a seed.
 pub fn intervals_hold(
     name: &str,
     parameters: &[&str],

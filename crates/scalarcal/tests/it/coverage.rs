@@ -3,7 +3,9 @@
 use noise::Stream;
 use scalarcal::{Assumed, Options};
 
-use crate::build::{Campaign, MAGNITUDE_NT, NAMES, Turns, findings, found, intervals_hold, result};
+use crate::build::{
+    Campaign, MAGNITUDE_NT, NAMES, Turns, errors, findings, found, intervals_hold, result, run,
+};
 
 /// The interval's share, and what is allowed.
 const BAND: [f64; 2] = [0.93, 0.97];
@@ -12,13 +14,13 @@ const WIDE: [f64; 2] = [0.93, 1.0];
 
 /// By so many campaigns of each case; in one pass no noise is declared.
 fn covered(in_one_pass: bool, cases: impl IntoIterator<Item = (String, Campaign, u64)>) {
+    let band = if in_one_pass { WIDE } else { BAND };
     for (name, campaign, usual) in cases {
         let options = Options { constant_magnitude: campaign.wanders.is_some(), ..Options::default() };
-        let (truth, band) = (campaign.truth(), if in_one_pass { WIDE } else { BAND });
         intervals_hold(&name, &NAMES[..9], (usual, band), |seed| {
             let document = result(campaign.document(seed), &options, in_one_pass)
                 .unwrap_or_else(|error| panic!("{name}, {seed}: {error}"));
-            found(&document).iter().zip(truth).map(|((value, std), truth)| (value - truth, *std)).collect()
+            errors(&found(&document), &campaign.truth())
         });
     }
 }
@@ -90,14 +92,9 @@ fn limits_of_the_sensors() {
             turns,
             ..Campaign::default()
         };
-        let document = result(campaign.document(seed), &options, false)
-            .unwrap_or_else(|error| panic!("{seed}: {error}"));
+        let document = run(campaign.document(seed), &options);
         assert!(findings(&document).contains("assumed: scale factors within 2 %, angles"), "{seed}");
-        found(&document)
-            .iter()
-            .zip(campaign.truth())
-            .map(|((value, std), truth)| (value - truth, *std))
-            .collect()
+        errors(&found(&document), &campaign.truth())
     });
 }
 

@@ -1,20 +1,19 @@
-//! A fluxgate beside a scalar magnetometer in orbit, as `simulate` plans it. FLUXCAL_CAMPAIGNS sets how many
-//! campaigns, FLUXCAL_DAYS how long each is.
+//! A fluxgate beside a scalar magnetometer in orbit (FLUXCAL_CAMPAIGNS, of FLUXCAL_DAYS each).
 
 use common::{Axis, Document};
 use physics::Kind;
 use scalarcal::Options;
+use serde_json::json;
 use simulate::{Plan, Procedure};
 
-use crate::build::{NAMES, constants, directions, found, intervals_hold, run};
+use crate::build::{NAMES, constants, directions, errors, found, intervals_hold, run};
 
 /// What Merayo et al. (2000) report of good data: angles, arcsec, and offsets, nT.
 const MERAYO: [f64; 2] = [2.0, 0.2];
 /// Share of intervals of 95 % that hold.
 pub const BAND: [f64; 2] = [0.93, 0.97];
 /// Campaigns are cut out of ones this many times as long: flicker noise did not begin with them, nor is its
-/// mean zero. The fit allows for older noise still (see `kalman`), so that its intervals of offsets are wider
-/// than this noise needs.
+/// mean zero. The fit allows for older noise still (see `kalman`): its intervals of offsets are wide.
 pub const LONGER: usize = 22;
 /// How the offsets follow the temperature, nT/K.
 const PER_K: [f64; 3] = [0.31, -0.18, 0.44];
@@ -34,14 +33,11 @@ fn plan(seed: u64, warm: bool) -> Plan {
         orbit.step_s = 60.0;
     }
     if warm {
-        let of = |axis: &Axis| {
-            let parameters =
-                serde_json::json!({"coefficient_nt_per_k": PER_K[axis.index()], "curvature_nt_per_k2": 0.0});
-            serde_json::json!({"effect": "offset_temperature", "sensor": axis, "parameters": parameters})
-        };
-        let effects: Vec<_> = Axis::ALL.iter().map(of).collect();
-        let model = serde_json::from_value(serde_json::json!({ "effects": effects }));
-        plan.truth.model = Some(model.expect("a model"));
+        let effects = Axis::ALL.map(|axis| {
+            let parameters = json!({"coefficient_nt_per_k": PER_K[axis.index()], "curvature_nt_per_k2": 0.0});
+            json!({"effect": "offset_temperature", "sensor": axis, "parameters": parameters})
+        });
+        plan.truth.model = serde_json::from_value(json!({ "effects": effects })).expect("a model");
     }
     plan
 }
@@ -77,7 +73,7 @@ fn against_truth(name: &str, warm: bool, usual: u64) {
             expected.extend(PER_K.iter().flat_map(|per_k| [*per_k, 0.0]));
         }
         assert_eq!(found.len(), expected.len());
-        found.iter().zip(expected).map(|((value, std), truth)| (value - truth, *std)).collect()
+        errors(&found, &expected)
     });
     for (number, parameter) in NAMES.iter().enumerate().take(9).skip(3) {
         let worst = off.iter().map(|one| one[number].0.abs()).fold(0.0, f64::max);
