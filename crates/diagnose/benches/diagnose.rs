@@ -40,10 +40,14 @@ fn main() {
     let rows = env::var("FLUXCAL_BENCH_ROWS").ok().and_then(|text| text.parse().ok()).unwrap_or(LARGE);
     for times in [1, rows.div_ceil(SMALL)] {
         let [whole, peer] = ["diagnose", "products"].map(|way| fastest(way, times));
-        println!("\n{} rows of 3 sensors: {}; the fastest of {RUNS}", times * SMALL, whole.found);
-        println!("  diagnose            {:>8.3} s   peak {:>6.0} MB", whole.seconds, whole.peak_mb);
-        println!("  products of a pool  {:>8.3} s   peak {:>6.0} MB", peer.seconds, peer.peak_mb);
-        println!("  diagnose takes {:.1} times as long as its peer", whole.seconds / peer.seconds);
+        let found = whole["found"].as_str().unwrap_or_default();
+        println!("\n{} rows of 3 sensors: {found}; the fastest of {RUNS}", times * SMALL);
+        for (name, run) in [("diagnose", &whole), ("products of a pool", &peer)] {
+            let (seconds, peak_mb) = (number(run, "seconds"), number(run, "peak_mb"));
+            println!("  {name:19} {seconds:>8.3} s   peak {peak_mb:>6.0} MB");
+        }
+        let ratio = number(&whole, "seconds") / number(&peer, "seconds");
+        println!("  diagnose takes {ratio:.1} times as long as its peer");
     }
 }
 
@@ -56,10 +60,8 @@ fn alone(way: &str, times: usize) -> Value {
             let document = simulated(Scene::Runs, &[lag], &noise(), 1);
             let start = Instant::now();
             let document = diagnose::run(document, &diagnose::Options::default()).expect("a diagnosis");
-            (
-                start.elapsed().as_secs_f64(),
-                diagnose::summary(&document).lines().nth(2).unwrap_or_default().trim().to_string(),
-            )
+            let seconds = start.elapsed().as_secs_f64();
+            (seconds, diagnose::summary(&document).lines().nth(2).unwrap_or_default().trim().to_string())
         }
         "products" => {
             let pool = Mat::from_fn(3 * SMALL * times, COLUMNS, |i, j| ((i * (j + 1)) as f64).sin());
@@ -79,27 +81,18 @@ fn peak_mb() -> f64 {
     peak.and_then(|text| text.split_whitespace().next()?.parse::<f64>().ok()).map_or(f64::NAN, |kb| kb / 1e3)
 }
 
-/// What one way took.
-struct Run {
-    seconds: f64,
-    peak_mb: f64,
-    found: String,
+/// The fastest of some runs.
+fn fastest(way: &str, times: usize) -> Value {
+    let program = env::current_exe().expect("this program");
+    let once = |_| -> Value {
+        let output = Command::new(&program).args([ALONE, way, &times.to_string()]).output().expect("a run");
+        let failed = || format!("{way} failed: {}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", failed()))
+    };
+    let runs = (0..RUNS).map(once);
+    runs.min_by(|a, b| number(a, "seconds").total_cmp(&number(b, "seconds"))).expect("a run")
 }
 
-/// The fastest of some runs.
-fn fastest(way: &str, times: usize) -> Run {
-    let program = env::current_exe().expect("this program");
-    let once = || {
-        let output = Command::new(&program).args([ALONE, way, &times.to_string()]).output().expect("a run");
-        let text = String::from_utf8_lossy(&output.stdout);
-        let said: Value = serde_json::from_str(&text)
-            .unwrap_or_else(|_| panic!("{way} failed: {}", String::from_utf8_lossy(&output.stderr)));
-        let number = |name: &str| said[name].as_f64().unwrap_or(f64::NAN);
-        Run {
-            seconds: number("seconds"),
-            peak_mb: number("peak_mb"),
-            found: said["found"].as_str().unwrap_or_default().into(),
-        }
-    };
-    (0..RUNS).map(|_| once()).min_by(|a, b| a.seconds.total_cmp(&b.seconds)).expect("a run")
+fn number(run: &Value, name: &str) -> f64 {
+    run[name].as_f64().unwrap_or(f64::NAN)
 }

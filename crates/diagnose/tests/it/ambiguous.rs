@@ -1,28 +1,18 @@
 //! What a recording cannot tell apart is told so, and the next experiment decides.
 
-use crate::bench;
-
-use bench::{Scene, again, noise, simulated};
 use common::{Document, Recording, Verdict};
-use diagnose::Options;
 use serde_json::{Value, json};
 use simulate::Plan;
 
-fn diagnosed(document: Document) -> (common::Diagnosis, String) {
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
-    let words = diagnose::summary(&found);
-    (found.diagnosis.expect("a diagnosis").remove(0), words)
-}
+use crate::bench::{Scene, again, diagnosed, noise, simulated, target};
 
-/// Ambiguous between the truth and a rival; with the recording that is asked for, made by its plan, explained
-/// by the truth.
+/// Ambiguous between truth and rival; with the recording that is asked for, explained by the truth.
 fn decided(document: Document, effect: &Value, rival: &str) {
-    let truth = bench::target(effect);
-    let (entry, words) = diagnosed(document.clone());
-    println!("{words}");
-    assert_eq!(entry.verdict, Verdict::Ambiguous, "{words}");
+    let truth = target(effect);
+    let (entry, _) = diagnosed(document.clone());
+    assert_eq!(entry.verdict, Verdict::Ambiguous, "{}", entry.answer);
     let sets: Vec<&str> = entry.ambiguity.iter().flatten().map(String::as_str).collect();
-    assert!(sets.contains(&truth.as_str()) && sets.contains(&rival), "{words}");
+    assert!(sets.contains(&truth.as_str()) && sets.contains(&rival), "{}", entry.answer);
     let best = &entry.experiments[0];
     println!("{} ({:.0})", best.what, best.log_odds);
     assert!(best.between.contains(&truth) && entry.next_experiment.as_ref() == Some(&best.what));
@@ -34,10 +24,9 @@ fn decided(document: Document, effect: &Value, rival: &str) {
     let made = simulate::campaign(&plan).unwrap_or_else(|error| panic!("{error}")).document;
     let mut both = document;
     both.recordings.extend(made.recordings);
-    let (entry, words) = diagnosed(both);
-    println!("{words}");
-    assert_eq!(entry.verdict, Verdict::Explained, "{words}");
-    assert_eq!(bench::target(&json!(entry.effects[0])), truth, "{words}");
+    let (entry, _) = diagnosed(both);
+    assert_eq!(entry.verdict, Verdict::Explained, "{}", entry.answer);
+    assert_eq!(target(&json!(entry.effects[0])), truth, "{}", entry.answer);
 }
 
 /// A lag and a delay of milliseconds are the same at slow drives; at fast ones they are not.

@@ -7,15 +7,14 @@ use noise::Stream;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-use crate::bench::{self, again};
+use crate::bench::{again, diagnosed, named, parsed, worst_sigma};
 
 /// White noise of a sensor and of the scalar magnetometer, nT.
 const SENSOR_NT: f64 = 0.3;
 const SCALAR_NT: f64 = 0.1;
 const ROWS: usize = 600;
 
-/// Sensors that are turned by hand in a field of 48 µT, warmed by the Sun and by a heater, in which `effects`
-/// act.
+/// Sensors turned by hand in a field of 48 µT, warmed by the Sun and a heater, in which `effects` act.
 fn turned(effects: &[Value], seed: u64) -> Document {
     let field = |row: usize| {
         let part = (row as f64 + 0.5) / ROWS as f64;
@@ -41,24 +40,20 @@ fn turned(effects: &[Value], seed: u64) -> Document {
             "reference_conditions": {"sensor_temperature_c": 23.0},
             "axes": {"sensors": {"matrix": [[1.0, 0.0087, 0.0035], [0.0, 0.99996, -0.0052], [0.0, 0.0, 0.99998]]}}},
         "recordings": [{"id": "turned", "procedure": "free_run", "columns": columns}]});
-    let truth = Document::parse(&truth.to_string()).expect("a document");
-    let mut read = again(truth, effects, &json!({"white_rms_nt": SENSOR_NT}), seed);
+    let mut read = again(parsed(&truth), effects, &json!({"white_rms_nt": SENSOR_NT}), seed);
     let mut stream = Stream::new(seed, "scalar");
     let scalar: Vec<f64> = (0..ROWS).map(|row| field(row).norm() + SCALAR_NT * stream.normal()).collect();
     let columns = &mut read.recordings[0].columns;
     columns.retain(|name, _| !name.starts_with("ambient_"));
     columns.insert("reference_nt".into(), scalar.into());
     let calibration = read.calibration.get_or_insert_default();
-    calibration.sensors = None;
-    calibration.axes = None;
+    (calibration.sensors, calibration.axes) = (None, None);
     read
 }
 
 /// scalarcal, then diagnose.
 fn both(document: Document) -> (Diagnosis, Document) {
-    let calibrated = scalarcal::run(document, &scalarcal::Options::default()).expect("calibrated");
-    let found = diagnose::run(calibrated, &diagnose::Options::default()).expect("diagnosed");
-    (found.diagnosis.clone().expect("a diagnosis").remove(0), found)
+    diagnosed(scalarcal::run(document, &scalarcal::Options::default()).expect("calibrated"))
 }
 
 #[test]
@@ -81,9 +76,8 @@ fn what_was_not_asked_for_is_named_and_scalarcal_takes_it_off() {
     ] {
         let (entry, found) = both(turned(std::slice::from_ref(&effect), 3));
         assert_eq!(entry.verdict, Verdict::Explained, "{effect}: {:?}", entry.reasons);
-        let named: Vec<&str> = entry.effects.iter().map(|effect| effect.effect.as_str()).collect();
-        assert_eq!(named, [effect["effect"].as_str().expect("a name")]);
-        let worst = bench::worst_sigma(&entry.effects[0].parameters, &effect);
+        assert_eq!(named(&entry), [effect["effect"].as_str().expect("a name")]);
+        let worst = worst_sigma(&entry.effects[0].parameters, &effect);
         assert!(worst < 4.0, "{effect}: {worst} standard uncertainties");
         // With the effect in the model scalarcal's residuals are the noise, and diagnose has nothing to add.
         let (entry, found) = both(found);

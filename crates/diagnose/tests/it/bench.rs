@@ -1,8 +1,11 @@
 //! Documents with known physics left out.
 
-use common::{Document, Quantity};
+use common::{Diagnosis, Document, Quantity};
+use diagnose::Options;
+use physics::{Kind, Role};
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Rms of the noise of a reading that every document declares, nT.
 pub const NOISE_NT: f64 = 0.3;
@@ -26,14 +29,9 @@ pub enum Scene {
     Pair,
 }
 
-struct Shape {
-    runs: usize,
-    rows: usize,
-    step_s: f64,
-}
-
 impl Scene {
-    fn shape(self) -> Shape {
+    /// Runs, rows of each, and the time from row to row, s.
+    fn shape(self) -> (usize, usize, f64) {
         let (runs, rows, step_s) = match self {
             Scene::Runs => (3, 160, 10.0),
             Scene::Cube => (6, 80, 10.0),
@@ -43,22 +41,21 @@ impl Scene {
             Scene::Craft => (1, 900, 0.05),
             Scene::Pair => (1, 900, 180.0),
         };
-        Shape { runs, rows: rows * LONGER.load(std::sync::atomic::Ordering::Relaxed), step_s }
+        (runs, rows * LONGER.load(Ordering::Relaxed), step_s)
     }
 }
 
 /// So many times the rows of a scene, whose waves go on.
-static LONGER: std::sync::atomic::AtomicUsize = std::sync::atomic::AtomicUsize::new(1);
+static LONGER: AtomicUsize = AtomicUsize::new(1);
 
 /// Makes all scenes longer.
 pub fn longer(times: usize) {
-    LONGER.store(times, std::sync::atomic::Ordering::Relaxed);
+    LONGER.store(times, Ordering::Relaxed);
 }
 
 /// A document of a scene in which `effects` act, with noise of a seed; without a word of them.
 pub fn simulated(scene: Scene, effects: &[Value], noise: &Value, seed: u64) -> Document {
-    let document = Document::parse(&document(scene).to_string()).unwrap_or_else(|error| panic!("{error}"));
-    again(document, effects, noise, seed)
+    again(parsed(&document(scene)), effects, noise, seed)
 }
 
 /// A document recorded again as its columns are, with `effects` acting; without a word of them.
@@ -70,9 +67,48 @@ pub fn again(mut document: Document, effects: &[Value], noise: &Value, seed: u64
     replayed
 }
 
+/// A document from its JSON.
+pub fn parsed(document: &Value) -> Document {
+    Document::parse(&document.to_string()).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A document of the fixtures.
+pub fn fixture(path: &str) -> Document {
+    Document::parse(&testkit::read_fixture(path)).expect("a document")
+}
+
+/// The first answer, and the document with it.
+pub fn diagnosed_with(document: Document, options: &Options) -> (Diagnosis, Document) {
+    let found = diagnose::run(document, options).expect("diagnosed");
+    (found.diagnosis.clone().expect("a diagnosis").remove(0), found)
+}
+
+/// The same where nothing else is asked for.
+pub fn diagnosed(document: Document) -> (Diagnosis, Document) {
+    diagnosed_with(document, &Options::default())
+}
+
+/// The names of what explains.
+pub fn named(entry: &Diagnosis) -> Vec<&str> {
+    entry.effects.iter().map(|effect| effect.effect.as_str()).collect()
+}
+
+/// The effects of a document's model with what they act on, in the order of the alphabet.
+pub fn adopted(document: &Document) -> Vec<String> {
+    let effects = document.model.iter().flat_map(|model| &model.effects);
+    let mut names: Vec<String> = effects.map(|effect| target(&json!(effect))).collect();
+    names.sort();
+    names
+}
+
+/// A quantity is within so many of its standard uncertainties of the truth, and these are small enough.
+pub fn near(found: &Quantity, truth: f64, times: f64, most_std: f64) {
+    let std = found.std().expect("an uncertainty");
+    assert!((found.value() - truth).abs() < times * std && std < most_std, "{found} for {truth}");
+}
+
 fn document(scene: Scene) -> Value {
-    let Shape { runs, .. } = scene.shape();
-    let recordings: Vec<Value> = (0..runs).map(|run| recording(scene, run)).collect();
+    let recordings: Vec<Value> = (0..scene.shape().0).map(|run| recording(scene, run)).collect();
     let mut calibration = json!({
         "coils": {"x": {"constant_nt_per_a": 30000.0, "offset_nt": 0.0}, "y": {"constant_nt_per_a": 30000.0, "offset_nt": 0.0},
             "z": {"constant_nt_per_a": 30000.0, "offset_nt": 0.0}},
@@ -94,7 +130,7 @@ fn document(scene: Scene) -> Value {
 }
 
 fn recording(scene: Scene, run: usize) -> Value {
-    let Shape { runs, rows, step_s } = scene.shape();
+    let (runs, rows, step_s) = scene.shape();
     // Waves keep their number of rows: slower scenes have slower waves.
     let stretch = step_s / 10.0;
     let beginning = step_s * (run * (rows + 30)) as f64;
@@ -120,11 +156,8 @@ fn recording(scene: Scene, run: usize) -> Value {
         return json!({"id": "pair", "procedure": "differential", "start": "2026-05-29T12:00:00+00:00", "columns": columns});
     }
     for (axis, period, phase) in [("x", 610.0, 0.4), ("y", 430.0, 1.3), ("z", 790.0, 2.2)] {
-        let held = scene == Scene::Fast;
-        put(
-            &format!("coil_{axis}_a"),
-            if held { vec![f64::sin(phase); rows] } else { wave(period, phase, 1.0) },
-        );
+        let held = || vec![f64::sin(phase); rows];
+        put(&format!("coil_{axis}_a"), if scene == Scene::Fast { held() } else { wave(period, phase, 1.0) });
         put(&format!("sensor_{axis}_nt"), vec![0.0; rows]);
     }
     put("coil_temperature_c", warm(21.0, 4.0, 2300.0, 1.0, 1100.0));
@@ -141,14 +174,10 @@ fn recording(scene: Scene, run: usize) -> Value {
     }
     if scene == Scene::Craft {
         put("wheel_hz", warm(4.0, 1.0, 5300.0, 0.4, 1500.0));
-        let azimuth = wave(2600.0, 0.2, 2.5);
-        let lit: Vec<f64> = time
-            .iter()
-            .map(|t| f64::from(u8::from((t / (3000.0 * stretch)).rem_euclid(1.0) < 0.63)))
-            .collect();
-        columns.insert("sunlit".into(), json!(lit));
-        columns.insert("sun_azimuth_rad".into(), json!(azimuth));
-        columns.insert("sun_elevation_rad".into(), json!(wave(3900.0, 1.9, 0.9)));
+        let lit = |t: &f64| f64::from(u8::from((t / (3000.0 * stretch)).rem_euclid(1.0) < 0.63));
+        put("sunlit", time.iter().map(lit).collect());
+        put("sun_azimuth_rad", wave(2600.0, 0.2, 2.5));
+        put("sun_elevation_rad", wave(3900.0, 1.9, 0.9));
     }
     let orientations = [
         json!([[1, 0, 0], [0, 1, 0], [0, 0, 1]]),
@@ -183,8 +212,7 @@ fn readings(document: &Document) -> [Vec<f64>; 3] {
 pub fn scaled(scene: Scene, effect: &Value, times: f64) -> Value {
     let none = json!({});
     let without = readings(&simulated(scene, &[], &none, 1));
-    let kind = physics::Kind::named(effect["effect"].as_str().expect("a name")).expect("an effect");
-    if kind.parameters().iter().all(|info| info.role == physics::Role::Epoch) {
+    if kind(effect).parameters().iter().all(|info| info.role == Role::Epoch) {
         return effect.clone();
     }
     let size = |factor: f64| {
@@ -221,15 +249,17 @@ pub fn scaled(scene: Scene, effect: &Value, times: f64) -> Value {
 /// Amplitudes times a factor; the shape where there are none.
 fn times_parameters(effect: &Value, factor: f64) -> Value {
     let mut scaled = effect.clone();
-    let kind = physics::Kind::named(effect["effect"].as_str().expect("a name")).expect("an effect");
-    let no_amplitude = kind.parameters().iter().all(|info| info.role != physics::Role::Amplitude);
-    for info in kind.parameters() {
-        if info.role == physics::Role::Amplitude || (no_amplitude && info.role == physics::Role::Shape) {
-            let value = effect["parameters"][info.name].as_f64().unwrap_or(0.0);
-            scaled["parameters"][info.name] = json!(value * factor);
-        }
+    let infos = kind(effect).parameters();
+    let sized = infos.iter().any(|info| info.role == Role::Amplitude);
+    for info in infos.iter().filter(|info| info.role == if sized { Role::Amplitude } else { Role::Shape }) {
+        let value = effect["parameters"][info.name].as_f64().unwrap_or(0.0);
+        scaled["parameters"][info.name] = json!(value * factor);
     }
     scaled
+}
+
+fn kind(effect: &Value) -> Kind {
+    Kind::named(effect["effect"].as_str().expect("a name")).expect("an effect")
 }
 
 /// The name of an effect with what it acts on, as plans have it.
@@ -241,15 +271,13 @@ pub fn target(effect: &Value) -> String {
 
 /// By how many standard deviations parameters differ from what is true, at most.
 pub fn worst_sigma(found: &indexmap::IndexMap<String, Quantity>, truth: &Value) -> f64 {
-    found
-        .iter()
-        .filter_map(|(name, value)| {
-            let off = (value.value() - truth["parameters"][name].as_f64()?).abs();
-            match value.std().filter(|std| *std > 0.0) {
-                Some(std) => Some(off / std),
-                // What is told without an uncertainty is exact.
-                None => Some(if off <= 1e-6 * value.value().abs() { 0.0 } else { f64::INFINITY }),
-            }
-        })
-        .fold(0.0, f64::max)
+    let off = |(name, value): (&String, &Quantity)| {
+        let off = (value.value() - truth["parameters"][name].as_f64()?).abs();
+        match value.std().filter(|std| *std > 0.0) {
+            Some(std) => Some(off / std),
+            // What is told without an uncertainty is exact.
+            None => Some(if off <= 1e-6 * value.value().abs() { 0.0 } else { f64::INFINITY }),
+        }
+    };
+    found.iter().filter_map(off).fold(0.0, f64::max)
 }

@@ -1,10 +1,11 @@
 //! Pairs and variometers beside a scalar magnetometer, each with one cause that least squares finds at once.
 
 use common::{Axis, Diagnosis, Document, ExplainedEffect, Quantity, Verdict};
-use diagnose::Options;
 use noise::Stream;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
+
+use crate::bench::{adopted, diagnosed, near as within, parsed};
 
 const ROWS: usize = 1440;
 const STEP_S: f64 = 60.0;
@@ -61,40 +62,42 @@ impl Pair {
         for (name, values) in columns {
             all[*name] = json!(values);
         }
-        parsed(
-            json!({"fluxcal": 1, "recordings": [{"id": "pair", "procedure": "differential", "columns": all}]}),
-        )
+        document("pair", "differential", &all)
     }
 }
 
-fn parsed(document: Value) -> Document {
-    Document::parse(&document.to_string()).unwrap_or_else(|error| panic!("{error}"))
+fn document(id: &str, procedure: &str, columns: &Value) -> Document {
+    parsed(&json!({"fluxcal": 1, "recordings": [{"id": id, "procedure": procedure, "columns": columns}]}))
 }
 
 fn entry(document: Document) -> Diagnosis {
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
-    found.diagnosis.expect("a diagnosis").remove(0)
+    diagnosed(document).0
 }
 
 fn names(entry: &Diagnosis) -> Vec<(&str, Option<&str>)> {
     entry.effects.iter().map(|effect| (effect.effect.as_str(), effect.column.as_deref())).collect()
 }
 
+fn sensors(entry: &Diagnosis) -> Vec<(&str, Option<Axis>)> {
+    entry.effects.iter().map(|effect| (effect.effect.as_str(), effect.sensor)).collect()
+}
+
 fn near(quantity: &Quantity, truth: f64) {
-    let std = quantity.std().expect("an uncertainty");
-    assert!((quantity.value() - truth).abs() < 4.0 * std && std < 0.05, "{quantity} for {truth}");
+    within(quantity, truth, 4.0, 0.05);
+}
+
+/// A load in amperes that is switched, and what it does.
+fn loaded(seed: u64) -> Document {
+    let pair = Pair::new(seed);
+    let load: Vec<f64> = pair.switched().iter().map(|on| 2.0 * on).collect();
+    let felt = load.clone();
+    let of = |row: usize| [3.0, -1.0, 2.0].map(|size| size * felt[row]);
+    pair.document(&[("load_current_a", load)], of, [0.05, 0.1])
 }
 
 #[test]
 fn a_load_that_is_switched_is_no_step() {
-    let pair = Pair::new(1);
-    let load: Vec<f64> = pair.switched().iter().map(|on| 2.0 * on).collect();
-    let felt = load.clone();
-    let found = entry(pair.document(
-        &[("load_current_a", load)],
-        |row| [3.0, -1.0, 2.0].map(|size| size * felt[row]),
-        [0.05, 0.1],
-    ));
+    let found = entry(loaded(1));
     assert_eq!(names(&found), [("stray_current", Some("load_current_a"))], "{}", found.answer);
     assert_eq!(found.verdict, Verdict::Explained, "{}", found.answer);
     for (name, truth) in [("x_nt_per_a", 3.0), ("y_nt_per_a", -1.0), ("z_nt_per_a", 2.0)] {
@@ -112,17 +115,10 @@ fn a_load_that_is_switched_is_no_step() {
 
 #[test]
 fn what_was_found_is_in_the_model_and_agrees_the_next_time() {
-    let pair = Pair::new(8);
-    let load: Vec<f64> = pair.switched().iter().map(|on| 2.0 * on).collect();
-    let felt = load.clone();
-    let of = |row: usize| [3.0, -1.0, 2.0].map(|size| size * felt[row]);
-    let document = pair.document(&[("load_current_a", load)], of, [0.05, 0.1]);
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
-    let adopted = &found.model.as_ref().expect("a model").effects;
-    assert_eq!((adopted.len(), adopted[0].effect.as_str()), (1, "stray_current"));
-    let again = diagnose::run(found.clone(), &Options::default()).expect("diagnosed");
+    let (_, found) = diagnosed(loaded(8));
+    assert_eq!(adopted(&found), ["stray_current load_current_a"]);
+    let (answer, again) = diagnosed(found.clone());
     assert_eq!(again.model, found.model);
-    let answer = &again.diagnosis.expect("a diagnosis")[0];
     assert_eq!(answer.verdict, Verdict::Agrees, "{}", answer.answer);
 }
 
@@ -177,9 +173,7 @@ fn a_clock_that_gains_is_no_offset() {
     };
     let found = entry(pair.document(&[("load_current_a", vec![0.0; ROWS])], late, [0.01, 0.01]));
     assert_eq!(names(&found), [("clock_rate", None)], "{}", found.answer);
-    let rate = &found.effects[0].parameters["rate_ppm"];
-    let std = rate.std().expect("an uncertainty");
-    assert!((rate.value() - 500.0).abs() < 4.0 * std && std < 50.0, "{rate}");
+    within(&found.effects[0].parameters["rate_ppm"], 500.0, 4.0, 50.0);
     assert!(found.answer.contains("the clock of the test instrument gains"), "{}", found.answer);
 }
 
@@ -226,8 +220,8 @@ fn lines_late_sensors_codes_and_bits_are_named() {
     let found = entry(pair.document(&[], bit, [0.005, 0.05]));
     // The bit, or odd harmonics of it.
     let named = sensors(&found);
-    let right = |one: &&(&str, Option<Axis>)| **one == ("differential_nonlinearity", Some(Axis::X));
-    assert!(!named.is_empty() && named.iter().filter(right).count() == named.len(), "{}", found.answer);
+    let right = |one: &(&str, Option<Axis>)| *one == ("differential_nonlinearity", Some(Axis::X));
+    assert!(!named.is_empty() && named.iter().all(right), "{}", found.answer);
     for effect in &found.effects {
         let times = 6.0 / effect.parameters["period_nt"].value();
         assert!((times - times.round()).abs() < 0.02 && times.round() as i32 % 2 == 1, "{}", found.answer);
@@ -263,10 +257,6 @@ fn codes_frozen_readings_and_spikes_are_named() {
     assert!((spike.effects[0].parameters["height_nt"].value() - 5.0).abs() < 0.5, "{}", spike.answer);
 }
 
-fn sensors(entry: &Diagnosis) -> Vec<(&str, Option<Axis>)> {
-    entry.effects.iter().map(|effect| (effect.effect.as_str(), effect.sensor)).collect()
-}
-
 /// A current that is known by its power: one name, and no steps.
 #[test]
 fn a_root_of_a_column_is_one_name() {
@@ -274,12 +264,8 @@ fn a_root_of_a_column_is_one_name() {
     let power: Vec<f64> = (0..ROWS).map(|row| 30.0 * wave(row).max(0.0)).collect();
     let felt = power.clone();
     let root = |row: usize| felt[row].powf(0.6);
-    let pair = Pair::new(21);
-    let found = entry(pair.document(
-        &[("panel_power_w", power)],
-        |row| [2.0 * root(row), -root(row), 0.5 * root(row)],
-        [0.02, 0.05],
-    ));
+    let of = |row: usize| [2.0, -1.0, 0.5].map(|size| size * root(row));
+    let found = entry(Pair::new(21).document(&[("panel_power_w", power)], of, [0.02, 0.05]));
     assert_eq!(names(&found), [("dependence", Some("panel_power_w"))], "{}", found.answer);
     let exponent = found.effects[0].parameters["exponent"].value();
     assert!(exponent == 0.5 || exponent == 2.0 / 3.0, "{}", found.answer);
@@ -289,13 +275,9 @@ fn a_root_of_a_column_is_one_name() {
 fn noise_of_the_reference_is_no_name() {
     for (seed, reference_nt) in [(3, 0.05), (4, 0.1), (5, 0.3), (6, 1.0)] {
         let pair = Pair::new(seed);
-        let load = pair.switched();
         let day: Vec<f64> = (0..ROWS).map(|row| 20.0 + 5.0 * (TAU * row as f64 / 1440.0).sin()).collect();
-        let found = entry(pair.document(
-            &[("load_current_a", load), ("test_temperature_c", day)],
-            |_| [0.0; 3],
-            [reference_nt, 0.1],
-        ));
+        let columns = [("load_current_a", pair.switched()), ("test_temperature_c", day)];
+        let found = entry(pair.document(&columns, |_| [0.0; 3], [reference_nt, 0.1]));
         assert_eq!(found.verdict, Verdict::Agrees, "{reference_nt}: {}", found.answer);
     }
 }
@@ -303,19 +285,15 @@ fn noise_of_the_reference_is_no_name() {
 #[test]
 fn a_variometer_beside_a_scalar_agrees_and_its_temperature_is_named() {
     for (coefficient, stated) in [(0.0, false), (0.08, false), (0.08, true)] {
-        let pair = Pair::new(7);
-        let Pair { mut stream, field } = pair;
+        let Pair { mut stream, field } = Pair::new(7);
         let main = [20_500.0, 1500.0, 44_000.0];
         let heat = |row: usize| 3.0 * (TAU * row as f64 / 1000.0).sin();
         let mut columns = json!({
             "time_s": (0..ROWS).map(|row| STEP_S * row as f64).collect::<Vec<_>>(),
             "sensor_temperature_c": (0..ROWS).map(|row| 20.0 + heat(row)).collect::<Vec<_>>(),
         });
-        let scalar: Vec<f64> = field
-            .iter()
-            .map(|b| b.iter().map(|b| b * b).sum::<f64>().sqrt() + 0.015 * stream.normal())
-            .collect();
-        columns["reference_nt"] = json!(scalar);
+        let scalar = |b: &[f64; 3]| b.iter().map(|b| b * b).sum::<f64>().sqrt() + 0.015 * stream.normal();
+        columns["reference_nt"] = json!(field.iter().map(scalar).collect::<Vec<_>>());
         for (axis, name) in ["x", "y", "z"].iter().enumerate() {
             let read = |(row, b): (usize, &[f64; 3])| {
                 let own = if axis == 2 { coefficient * heat(row) } else { 0.0 };
@@ -324,15 +302,15 @@ fn a_variometer_beside_a_scalar_agrees_and_its_temperature_is_named() {
             columns[format!("sensor_{name}_nt")] =
                 json!(field.iter().enumerate().map(read).collect::<Vec<_>>());
         }
-        let mut document =
-            json!({"fluxcal": 1, "recordings": [{"id": "hut", "procedure": "free_run", "columns": columns}]});
+        let mut document = document("hut", "free_run", &columns);
         if stated {
             let parameters = json!({"coefficient_nt_per_k": coefficient, "curvature_nt_per_k2": 0.0});
             let effect = json!({"effect": "offset_temperature", "sensor": "z", "parameters": parameters});
-            document["model"] = json!({"effects": [effect]});
-            document["calibration"] = json!({"reference_conditions": {"sensor_temperature_c": 20.0}});
+            document.model = serde_json::from_value(json!({"effects": [effect]})).expect("a model");
+            let at = json!({"reference_conditions": {"sensor_temperature_c": 20.0}});
+            document.calibration = serde_json::from_value(at).expect("a calibration");
         }
-        let found = entry(parsed(document));
+        let found = entry(document);
         if coefficient == 0.0 || stated {
             assert_eq!(found.verdict, Verdict::Agrees, "{}", found.answer);
         } else {
@@ -355,11 +333,9 @@ fn more_than_the_declared_noise_is_unexplained() {
         let on = pair.switched();
         let mut document = pair.document(&[], |row| [load * on[row], 0.0, -load * on[row]], [0.05, 0.1]);
         if declared {
-            let noise = |nt: f64| json!({"white_rms_nt": nt});
-            document.instrument =
-                serde_json::from_value(json!({"noise": noise(0.1)})).expect("an instrument");
-            document.recordings[0].conditions.reference_noise =
-                serde_json::from_value(noise(0.05)).expect("a noise");
+            let noise = |nt: f64| serde_json::from_value(json!({"white_rms_nt": nt})).expect("a noise");
+            document.instrument.get_or_insert_default().noise = noise(0.1);
+            document.recordings[0].conditions.reference_noise = noise(0.05);
         }
         let found = entry(document);
         assert_eq!(found.verdict, verdict, "{load} {declared}: {}", found.answer);

@@ -1,11 +1,11 @@
-//! Recordings in which nothing is left out: the rate of claims.
+//! Noise: where nothing else is left out, the rate of claims; and noise that is declared wrongly, or not at all, takes no
+//! name away.
 
-use crate::bench;
-
-use bench::{Scene, simulated};
-use common::Verdict;
+use common::{Document, Verdict};
 use diagnose::Options;
-use serde_json::json;
+use serde_json::{Value, json};
+
+use crate::bench::{NOISE_NT, Scene, diagnosed, diagnosed_with, named, simulated};
 
 /// FLUXCAL_CAMPAIGNS of them (6), white and with flicker noise up to f^-1.5 in turn, three with their noise
 /// declared and three without, temperatures moving throughout.
@@ -24,16 +24,13 @@ fn clean_recordings_are_not_claimed() {
         if campaign / 3 % 2 == 1 {
             document.instrument.get_or_insert_default().noise = None;
         }
-        let options = Options { seed: campaign, ..Options::default() };
-        let found = diagnose::run(document, &options).expect("diagnosed");
-        let entry = found.diagnosis.expect("a diagnosis").remove(0);
+        let (entry, _) = diagnosed_with(document, &Options { seed: campaign, ..Options::default() });
         if entry.verdict != Verdict::Agrees {
             claimed += 1;
             println!("campaign {campaign}: {} {:?}", entry.verdict.word(), entry.reasons);
         }
     }
-    let (low, high) = wilson(claimed, campaigns);
-    println!("{claimed} of {campaigns} claimed, 95 % between {low:.4} and {high:.4}");
+    println!("{claimed} of {campaigns} claimed");
     // Of few, none; of many, no more than the level of 1 % gives in one run of a hundred.
     assert!(
         testkit::agrees((campaigns - claimed) as usize, campaigns as usize, [0.99, 1.0], 1),
@@ -42,11 +39,31 @@ fn clean_recordings_are_not_claimed() {
     assert!(campaigns > 20 || claimed == 0, "{claimed} of {campaigns}");
 }
 
-/// Wilson's 95 % interval of a share.
-fn wilson(hits: u64, trials: u64) -> (f64, f64) {
-    let (n, z) = (trials as f64, 1.96);
-    let share = hits as f64 / n;
-    let middle = share + z * z / (2.0 * n);
-    let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-    ((middle - half) / (1.0 + z * z / n), (middle + half) / (1.0 + z * z / n))
+fn is_named(mut document: Document, noise: &Value, name: &str) {
+    document.instrument.get_or_insert_default().noise = serde_json::from_value(noise.clone()).expect("noise");
+    let (entry, _) = diagnosed(document);
+    assert_eq!(
+        (entry.verdict, named(&entry)),
+        (Verdict::Explained, vec![name]),
+        "{noise}: {:?}",
+        entry.reasons
+    );
+}
+
+/// What a declaration is off by counts neither as a difference nor as something that names have to explain.
+#[test]
+fn noise_that_is_declared_a_tenth_wrong_takes_no_name_away() {
+    let bent = json!({"effect": "cubic_nonlinearity", "sensor": "z", "parameters": {"departure_nt": 4.0}});
+    let document = simulated(Scene::Runs, &[bent], &json!({"white_rms_nt": NOISE_NT}), 31);
+    for factor in [1.0 / 1.1, 1.1] {
+        is_named(document.clone(), &json!({"white_rms_nt": factor * NOISE_NT}), "cubic_nonlinearity");
+    }
+}
+
+/// A slow effect passes for slow noise where noise is estimated from what it left.
+#[test]
+fn a_slow_effect_is_not_taken_for_noise_that_nobody_declared() {
+    let warm = json!({"effect": "warm_up", "sensor": "y", "parameters": {"amplitude_nt": 12.0, "time_constant_s": 9000.0}});
+    let document = simulated(Scene::Pair, &[warm], &json!({"white_rms_nt": NOISE_NT}), 32);
+    is_named(document, &Value::Null, "warm_up");
 }

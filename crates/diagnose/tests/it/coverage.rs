@@ -3,11 +3,10 @@
 //! which to begin.
 
 use common::{Diagnosis, Quantity, Verdict};
-use diagnose::Options;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-use crate::bench::{noise, scaled, simulated, target};
+use crate::bench::{diagnosed, noise, scaled, simulated, target};
 use crate::single::cases;
 
 /// Times the noise.
@@ -43,8 +42,7 @@ fn campaign(number: usize) -> Vec<Off> {
     let (scene, effect) = &all[turn];
     let effect = scaled(*scene, effect, SIZES[(turn + round) % SIZES.len()]);
     let document = simulated(*scene, std::slice::from_ref(&effect), &noise(), 1000 + number as u64);
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
-    sized(&found.diagnosis.expect("a diagnosis")[0], &effect)
+    sized(&diagnosed(document).0, &effect)
 }
 
 #[test]

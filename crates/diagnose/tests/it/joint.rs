@@ -3,11 +3,10 @@
 //! dropped.
 
 use common::{Axis, Document, Quantity, Uncertainty, uncertainty};
-use diagnose::Options;
 use indexmap::IndexMap;
 use serde_json::json;
 
-use crate::bench::{Scene, noise, simulated};
+use crate::bench::{Scene, diagnosed, named, noise, simulated};
 
 /// A move may differ from what the source says by this share of the parameter's standard uncertainty.
 const APART: f64 = 0.03;
@@ -86,8 +85,7 @@ fn each(document: &mut Document, mut visit: impl FnMut(&str, &mut f64)) {
     }
 }
 
-/// What sources move of the field without drive is its sum with the coils' offsets, whose axes are those of
-/// GEO here.
+/// Sources move the sum of the field without drive and the coils' offsets, whose axes are GEO's here.
 fn summed(path: &str, of: &dyn Fn(&str) -> f64, sign: f64) -> f64 {
     let component = Axis::ALL.into_iter().find(|axis| path == uncertainty::residual_field(*axis));
     of(path) + component.map_or(0.0, |axis| sign * of(&uncertainty::coil_offset(axis)))
@@ -102,9 +100,8 @@ fn moved(document: &Document, moves: &IndexMap<String, f64>, share: f64) -> Docu
 }
 
 fn run(document: Document) -> Document {
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
-    let named = &found.diagnosis.as_ref().expect("a diagnosis")[0].effects;
-    assert!(named.len() == 1 && named[0].effect == "offset_temperature", "{named:?}");
+    let (entry, found) = diagnosed(document);
+    assert_eq!(named(&entry), ["offset_temperature"]);
     found
 }
 
@@ -114,11 +111,8 @@ fn sources_move_what_they_say() {
     let after = run(before.clone());
     let known = Uncertainty::of(&before).expect("an uncertainty");
     let found = Uncertainty::of(&after).expect("an uncertainty");
-    assert_eq!(
-        after.calibration.as_ref().and_then(|c| c.uncertainty.as_ref()),
-        Some(&found),
-        "no value states another"
-    );
+    let written = after.calibration.as_ref().and_then(|calibration| calibration.uncertainty.as_ref());
+    assert_eq!(written, Some(&found), "no value states another");
     let values = |document: &Document| {
         let mut values = IndexMap::new();
         each(&mut document.clone(), |path, value| {
@@ -135,12 +129,9 @@ fn sources_move_what_they_say() {
         for path in up.keys() {
             let (by, said) = (summed(path, &by, 1.0), said.moves.get(path).copied().unwrap_or(0.0));
             let std = found.std(path);
-            println!("{}: {path} moves by {by:e}, {said:e} is said, uncertainty {std:e}", source.name);
-            assert!(
-                (by - said).abs() <= APART * std,
-                "{}: {path} moves by {by:e} where {said:e} is said, with {std:e}",
-                source.name
-            );
+            let words = format!("{}: {path} moves by {by:e}, {said:e} is said, with {std:e}", source.name);
+            println!("{words}");
+            assert!((by - said).abs() <= APART * std, "{words}");
             tested += 1;
             kept += usize::from(said.abs() > 0.1 * std);
         }

@@ -1,18 +1,16 @@
 //! A calibration that no longer holds.
 
-use crate::bench::{self, Scene, simulated};
 use common::{Axis, Document, Quantity, Verdict};
-use diagnose::Options;
-use serde_json::{Value, json};
+use serde_json::json;
+use testkit::laws;
+
+use crate::bench::{NOISE_NT, Scene, diagnosed, parsed, simulated};
 
 const OFFSET_NT: f64 = 0.4;
 
-/// A recording, its calibration drawn with the uncertainties that it states, and the offset of a coil off by
-/// so many of them.
+/// A recording with a drawn calibration, and the offset of a coil off by so many of its uncertainties.
 fn off_by(multiple: f64) -> Document {
-    let document = simulated(Scene::Runs, &[], &json!({"white_rms_nt": bench::NOISE_NT}), 5);
-    let mut document: Value =
-        serde_json::from_str(&document.clone().to_text().expect("finite")).expect("JSON");
+    let mut document = laws::json(&simulated(Scene::Runs, &[], &json!({"white_rms_nt": NOISE_NT}), 5));
     let mut stream = noise::Stream::new(7, "calibration");
     let calibration = &mut document["calibration"];
     for axis in ["x", "y", "z"] {
@@ -29,7 +27,7 @@ fn off_by(multiple: f64) -> Document {
     }
     let moved = &mut calibration["coils"]["y"]["offset_nt"]["value"];
     *moved = json!(moved.as_f64().expect("a number") + multiple * OFFSET_NT);
-    Document::parse(&document.to_string()).unwrap_or_else(|error| panic!("{error}"))
+    parsed(&document)
 }
 
 #[test]
@@ -41,9 +39,8 @@ fn an_offset_that_moved_is_told_and_written_anew() {
     for (multiple, moved) in [(0.0, false), (20.0, true)] {
         let document = off_by(multiple);
         let before = offset(&document);
-        let found = diagnose::run(document, &Options::default()).expect("diagnosed");
+        let (entry, found) = diagnosed(document);
         let after = offset(&found);
-        let entry = found.diagnosis.expect("a diagnosis").remove(0);
         if !moved {
             assert_eq!((entry.verdict, entry.calibration_moved.len()), (Verdict::Agrees, 0));
             continue;

@@ -1,14 +1,13 @@
 //! A magnetometer in orbit beside a scalar one: nothing is known of the field but its length.
 
-use crate::bench;
-
-use bench::again;
-use common::{Diagnosis, Document, Verdict};
+use common::{Document, Verdict};
 use diagnose::Options;
 use nalgebra::Vector3;
 use noise::Stream;
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::bench::{again, diagnosed, diagnosed_with, named, near, parsed, worst_sigma};
 
 /// White noise of a sensor and of the scalar magnetometer, nT; both together make [`BOTH_NT`] of a
 /// difference.
@@ -50,13 +49,8 @@ fn orbit() -> Vec<Row> {
             let aboard =
                 |v: &Vector3<f64>| turn * Vector3::new(side.cross(&place).dot(v), side.dot(v), -place.dot(v));
             let shadow = place.dot(&sun) < 0.0 && place.cross(&sun).norm() < 0.93;
-            Row {
-                time_s,
-                field_nt: aboard(&field),
-                sun: aboard(&sun),
-                lit: f64::from(u8::from(!shadow)),
-                phase: u,
-            }
+            let (field_nt, sun) = (aboard(&field), aboard(&sun));
+            Row { time_s, field_nt, sun, lit: f64::from(u8::from(!shadow)), phase: u }
         })
         .collect()
 }
@@ -72,8 +66,7 @@ fn lobes(row: &Row) -> Vector3<f64> {
     row.lit * sum
 }
 
-/// The document: readings in which `effects` act, with what `disturbance` adds to the field that the sensors
-/// see.
+/// Readings in which `effects` act, with what `disturbance` adds to the field that the sensors see.
 fn document(effects: &[Value], disturbance: impl Fn(&Row) -> Vector3<f64>, seed: u64) -> Document {
     let rows = orbit();
     let column = |of: &dyn Fn(&Row) -> f64| rows.iter().map(of).collect::<Vec<f64>>();
@@ -88,10 +81,8 @@ fn document(effects: &[Value], disturbance: impl Fn(&Row) -> Vector3<f64>, seed:
     put("sun_elevation_rad", column(&|row| FRAC_PI_2 - row.sun.z.acos()));
     put("eclipse", column(&|row| 1.0 - row.lit));
     put("sensor_temperature_c", column(&|row| 20.0 + 4.0 * (row.phase + 0.8).sin() + 1.5 * row.lit));
-    put(
-        "panel_current_a",
-        column(&|row| row.lit * (0.3 + row.sun.x.abs()) + 0.2 * (row.time_s / 700.0).sin()),
-    );
+    let current = |row: &Row| row.lit * (0.3 + row.sun.x.abs()) + 0.2 * (row.time_s / 700.0).sin();
+    put("panel_current_a", column(&current));
     let sensors = |k: [f64; 3], o: [f64; 3]| {
         let one = |i: usize| json!({"sensitivity_nt_per_nt": {"value": k[i], "std": 5e-4}, "offset_nt": {"value": o[i], "std": 15.0}});
         json!({"x": one(0), "y": one(1), "z": one(2)})
@@ -100,8 +91,7 @@ fn document(effects: &[Value], disturbance: impl Fn(&Row) -> Vector3<f64>, seed:
         "calibration": {"sensors": sensors(SENSITIVITY, OFFSET_NT), "reference_conditions": {"sensor_temperature_c": 20.0},
             "axes": {"sensors": {"matrix": [[1.0, 0.0002, -0.0001], [0.0, 0.99999998, 0.0003], [0.0, 0.0, 0.99999995]]}}},
         "recordings": [{"id": "orbit", "procedure": "free_run", "columns": columns}]});
-    let truth = Document::parse(&truth.to_string()).expect("a document");
-    let mut read = again(truth, effects, &json!({"white_rms_nt": SENSOR_NT}), seed);
+    let mut read = again(parsed(&truth), effects, &json!({"white_rms_nt": SENSOR_NT}), seed);
     let mut stream = Stream::new(seed, "scalar");
     let scalar: Vec<f64> = rows.iter().map(|row| row.field_nt.norm() + SCALAR_NT * stream.normal()).collect();
     let columns = &mut read.recordings[0].columns;
@@ -111,15 +101,6 @@ fn document(effects: &[Value], disturbance: impl Fn(&Row) -> Vector3<f64>, seed:
     calibration.sensors = serde_json::from_value(sensors([1.0; 3], [0.0; 3])).expect("sensors");
     calibration.axes = None;
     read
-}
-
-fn diagnosed(document: Document) -> (Diagnosis, Document) {
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
-    (found.diagnosis.clone().expect("a diagnosis").remove(0), found)
-}
-
-fn named(entry: &Diagnosis) -> Vec<&str> {
-    entry.effects.iter().map(|effect| effect.effect.as_str()).collect()
 }
 
 fn no_disturbance(_: &Row) -> Vector3<f64> {
@@ -137,18 +118,13 @@ fn nine_constants_come_back_and_a_common_turn_does_not() {
     assert_eq!(entry.base_shift.len(), 9, "{:?}", entry.base_shift);
     for (axis, (k, o)) in ["x", "y", "z"].into_iter().zip(SENSITIVITY.into_iter().zip(OFFSET_NT)) {
         for (name, truth) in [("sensitivity", k - 1.0), ("offset_nt", o)] {
-            let found = shift(&format!("sensors.{axis}.{name}"));
-            let std = found.std().expect("an uncertainty");
-            assert!((found.value() - truth).abs() < 4.0 * std, "{axis} {name}: {found:?} for {truth}");
+            near(&shift(&format!("sensors.{axis}.{name}")), truth, 4.0, f64::INFINITY);
         }
     }
     let turns = entry.base_shift.iter().filter(|shift| shift.parameter.contains("turn")).count();
     assert_eq!(turns, 3, "{:?}", entry.base_shift);
-    assert!(
-        entry.reasons.iter().any(|reason| reason.contains("a common rotation of all sensors")),
-        "{:?}",
-        entry.reasons
-    );
+    let told = entry.reasons.iter().any(|reason| reason.contains("a common rotation of all sensors"));
+    assert!(told, "{:?}", entry.reasons);
 }
 
 #[test]
@@ -189,7 +165,7 @@ fn what_else_shows_in_the_magnitude_has_its_name() {
         let (entry, _) = diagnosed(document(std::slice::from_ref(&effect), no_disturbance, 5));
         assert_eq!(entry.verdict, Verdict::Explained, "{effect}: {:?} {:?}", named(&entry), entry.reasons);
         assert_eq!(named(&entry), [effect["effect"].as_str().expect("a name")]);
-        let worst = bench::worst_sigma(&entry.effects[0].parameters, &effect);
+        let worst = worst_sigma(&entry.effects[0].parameters, &effect);
         assert!(worst < 4.0, "{effect}: {worst} standard uncertainties");
     }
 }
@@ -209,10 +185,8 @@ fn sensors_that_feel_nothing_are_no_answer() {
     let document = json!({"fluxcal": 1, "recordings": [{"id": "hand", "procedure": "free_run", "columns": {
         "time_s": (0..400).map(|row| 0.15 * f64::from(row)).collect::<Vec<f64>>(), "reference_nt": vec![52_000.0; 400],
         "sensor_x_nt": column(0), "sensor_y_nt": column(1), "sensor_z_nt": column(2)}}]});
-    let document = Document::parse(&document.to_string()).expect("a document");
-    let options = Options { refit: true, ..Options::default() };
-    let found = diagnose::run(document, &options).expect("diagnosed");
-    let fit = found.diagnosis.as_ref().expect("a diagnosis")[0].fit.clone().expect("a fit");
+    let (entry, found) = diagnosed_with(parsed(&document), &Options { refit: true, ..Options::default() });
+    let fit = entry.fit.expect("a fit");
     // The field is uneven by 6 % of 52 000 nT, rms some 1000 nT.
     assert!((300.0..2000.0).contains(&fit.rms_refitted_nt), "{fit:?}");
     let sensors = found.calibration.expect("a calibration").sensors.expect("sensors");

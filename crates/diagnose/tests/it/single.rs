@@ -1,196 +1,90 @@
 //! One effect left out at a time: it is named, its parameters are met, and what is left is the noise.
 
-use crate::bench;
-
-use bench::{Scene, noise, scaled, simulated, target, worst_sigma};
-use common::Verdict;
-use diagnose::Options;
+use common::{Diagnosis, Verdict};
 use serde_json::{Value, json};
+
+use crate::bench::{Scene, diagnosed, longer, noise, scaled, simulated, target, worst_sigma};
 
 /// Every effect of the catalogue that a calibration does not hold already, on a recording that shows it.
 pub fn cases() -> Vec<(Scene, Value)> {
-    let one = |effect: &str, sensor: &str, parameters: Value| json!({"effect": effect, "sensor": sensor, "parameters": parameters});
-    let coil = |effect: &str, coil: &str, parameters: Value| json!({"effect": effect, "coil": coil, "parameters": parameters});
-    let all = |effect: &str, parameters: Value| json!({"effect": effect, "parameters": parameters});
-    let column = |effect: &str, column: &str, parameters: Value| json!({"effect": effect, "column": column, "parameters": parameters});
     let line = |frequency: f64| {
         json!({"north_sine_nt": 1.0, "north_cosine_nt": 0.5, "east_sine_nt": 0.2, "east_cosine_nt": -0.7, "down_sine_nt": 0.4,
             "down_cosine_nt": 0.3, "frequency_hz": frequency})
     };
+    let mut wanders = line(30.0);
+    wanders["end_ratio"] = json!(1.02);
     let wheel = json!({"x_sine_nt": 1.0, "x_cosine_nt": 0.5, "y_sine_nt": 0.2, "y_cosine_nt": -0.7, "z_sine_nt": 0.4, "z_cosine_nt": 0.3});
-    vec![
-        (Scene::Runs, one("quadratic_nonlinearity", "x", json!({"departure_nt": 3.0}))),
-        (Scene::Runs, one("cubic_nonlinearity", "y", json!({"departure_nt": 3.0}))),
-        (Scene::Runs, one("cross_field", "z", json!({"first_nt": 4.0, "second_nt": -2.0, "mixed_nt": 1.0}))),
-        (Scene::Runs, one("cross_field_sensitivity", "x", json!({"first_nt": 4.0, "second_nt": 3.0}))),
-        (
-            Scene::Runs,
-            one("offset_temperature", "x", json!({"coefficient_nt_per_k": 0.2, "curvature_nt_per_k2": 0.01})),
-        ),
-        (
-            Scene::Runs,
-            one("offset_temperature_lag", "y", json!({"coefficient_nt_per_k": 0.2, "lag_s": 300.0})),
-        ),
-        (
-            Scene::Runs,
-            one(
-                "sensitivity_temperature",
-                "z",
-                json!({"coefficient_ppm_per_k": 20.0, "curvature_ppm_per_k2": 0.5}),
-            ),
-        ),
-        (
-            Scene::Runs,
-            one("sensitivity_temperature_lag", "x", json!({"coefficient_ppm_per_k": 20.0, "lag_s": 300.0})),
-        ),
-        (
-            Scene::Runs,
-            one("axis_temperature", "y", json!({"first_arcsec_per_k": 1.0, "second_arcsec_per_k": 0.5})),
-        ),
-        (
-            Scene::Runs,
-            one(
-                "axis_creep",
-                "z",
-                json!({"first_arcsec_per_k": 1.0, "second_arcsec_per_k": -0.5, "lag_s": 250.0}),
-            ),
-        ),
-        (Scene::Runs, one("hysteresis", "z", json!({"amplitude_nt": 1.0, "coercivity_nt": 3000.0}))),
-        (Scene::Runs, one("perming", "y", json!({"remanence_ppm": 100.0, "threshold_nt": 15000.0}))),
-        (Scene::Runs, one("warm_up", "x", json!({"amplitude_nt": 3.0, "time_constant_s": 700.0}))),
-        (Scene::Days, one("ageing", "y", json!({"rate_nt_per_day": 0.3}))),
-        (Scene::Days, one("sensitivity_ageing", "x", json!({"rate_ppm_per_day": 10.0}))),
-        (
-            Scene::Runs,
-            one(
-                "offset_electronics_temperature",
-                "z",
-                json!({"coefficient_nt_per_k": 0.2, "curvature_nt_per_k2": 0.01}),
-            ),
-        ),
-        (
-            Scene::Runs,
-            one(
-                "offset_electronics_temperature_lag",
-                "x",
-                json!({"coefficient_nt_per_k": 0.2, "lag_s": 150.0}),
-            ),
-        ),
-        (
-            Scene::Runs,
-            one(
-                "sensitivity_electronics_temperature",
-                "y",
-                json!({"coefficient_ppm_per_k": 20.0, "curvature_ppm_per_k2": 0.5}),
-            ),
-        ),
-        (
-            Scene::Runs,
-            one(
-                "sensitivity_electronics_temperature_lag",
-                "z",
-                json!({"coefficient_ppm_per_k": 20.0, "lag_s": 150.0}),
-            ),
-        ),
-        (Scene::Runs, one("loop_bandwidth", "x", json!({"lag_s": 0.05}))),
-        (Scene::Runs, one("delay", "y", json!({"delay_s": 0.05}))),
-        (Scene::Runs, one("quantisation", "z", json!({"width_nt": 1.0}))),
-        (
-            Scene::Runs,
-            one(
-                "differential_nonlinearity",
-                "x",
-                json!({"sine_nt": 1.0, "cosine_nt": 0.6, "period_nt": 9000.0}),
-            ),
-        ),
-        (Scene::Runs, one("saturation", "y", json!({"level_nt": 70000.0}))),
-        (Scene::Runs, one("clipping", "x", json!({"level_nt": 29990.0}))),
-        (Scene::Runs, all("clock_offset", json!({"offset_s": 0.01}))),
-        (Scene::Runs, all("clock_rate", json!({"rate_ppm": 3.0}))),
-        (Scene::Runs, one("reading_step", "z", json!({"height_nt": 2.0, "time_s": 2700.0}))),
-        (Scene::Runs, one("spike", "y", json!({"height_nt": 20.0, "time_s": 2500.0}))),
-        (Scene::Runs, one("dropout", "x", json!({"time_s": 2500.0, "duration_s": 60.0}))),
-        (Scene::Runs, coil("coil_temperature", "z", json!({"coefficient_ppm_per_k": 10.0}))),
-        (Scene::Runs, coil("coil_heating", "x", json!({"fall_ppm_per_a2": 50.0, "lag_s": 600.0}))),
-        (Scene::Runs, coil("eddy_currents", "y", json!({"share_ppm": 100.0, "time_constant_s": 60.0}))),
-        (
-            Scene::Site,
-            all(
-                "nulling_leakage",
-                json!({"north_ppm": 5000.0, "east_ppm": 3000.0, "down_ppm": 9000.0, "lag_s": 300.0}),
-            ),
-        ),
-        (Scene::Runs, coil("coil_gradient", "x", json!({"gradient_ppm_per_m": 100.0}))),
-        (Scene::Cube, all("off_centre", json!({"x_m": 0.001, "y_m": 0.002, "z_m": -0.001}))),
-        (Scene::Fast, all("mains", line(50.02))),
-        (Scene::Fast, all("traction_power", line(16.68))),
-        (
-            Scene::Site,
-            all(
-                "vehicle_pass",
-                json!({"north_first_nt": 20.0, "east_first_nt": 10.0, "down_first_nt": -15.0, "north_second_nt": 10.0,
-            "east_second_nt": -20.0, "down_second_nt": 5.0, "north_third_nt": 10.0, "east_third_nt": 5.0, "down_third_nt": 20.0,
-            "time_s": 41000.0, "duration_s": 800.0}),
-            ),
-        ),
-        (Scene::Site, all("working_hours", json!({"north_nt": 2.0, "east_nt": -1.0, "down_nt": 1.0}))),
-        (Scene::Site, all("measured_tilt", json!({"gain_ppm": 900000.0}))),
-        (
-            Scene::Craft,
-            column(
-                "stray_current",
-                "panel_current_a",
-                json!({"x_nt_per_a": 3.0, "y_nt_per_a": -1.0, "z_nt_per_a": 2.0}),
-            ),
-        ),
-        (Scene::Craft, column("reaction_wheel", "wheel_hz", wheel.clone())),
-        (Scene::Craft, column("reaction_wheel_harmonic", "wheel_hz", wheel)),
-        (
-            Scene::Craft,
-            all(
-                "sun_thermoelectric",
-                json!({"x_lit_nt": 0.5, "x_cosine_nt": 1.0, "x_sine_nt": 0.4, "x_up_nt": 0.2, "y_lit_nt": 0.1,
-            "y_cosine_nt": -0.6, "y_sine_nt": 0.3, "y_up_nt": 0.5, "z_lit_nt": -0.4, "z_cosine_nt": 0.2, "z_sine_nt": 0.7, "z_up_nt": 0.1}),
-            ),
-        ),
-        (
-            Scene::Runs,
-            one(
-                "offset_temperature_inflection",
-                "z",
-                json!({"coefficient_nt_per_k": 0.05, "half_change_nt_per_k": 0.3, "inflection_k": 297.0, "width_k": 1.5}),
-            ),
-        ),
-        (
-            Scene::Runs,
-            coil(
-                "coil_heating",
-                "z",
-                json!({"fall_ppm_per_a2": 50.0, "fall_at_start_ppm_per_a2": 50.0, "lag_s": 400.0}),
-            ),
-        ),
-        (
-            Scene::Site,
-            all(
-                "working_hours",
-                json!({"north_nt": 2.0, "east_nt": -1.0, "down_nt": 1.0, "slack_s": 1200.0}),
-            ),
-        ),
-        (
-            Scene::Site,
-            all(
-                "nulling_leakage_across",
-                json!({"north_ppm": 5000.0, "east_ppm": 3000.0, "down_ppm": 9000.0, "lag_s": 300.0,
-            "north_from_east_ppm": 20000.0, "north_from_down_ppm": -10000.0, "east_from_north_ppm": -20000.0,
-            "east_from_down_ppm": 15000.0, "down_from_north_ppm": 10000.0, "down_from_east_ppm": -15000.0}),
-            ),
-        ),
-        (Scene::Fast, {
-            let mut wanders = all("periodic_field", line(30.0));
-            wanders["parameters"]["end_ratio"] = json!(1.02);
-            wanders
-        }),
-    ]
+    let pass = json!({"north_first_nt": 20.0, "east_first_nt": 10.0, "down_first_nt": -15.0, "north_second_nt": 10.0,
+        "east_second_nt": -20.0, "down_second_nt": 5.0, "north_third_nt": 10.0, "east_third_nt": 5.0, "down_third_nt": 20.0,
+        "time_s": 41000.0, "duration_s": 800.0});
+    let sun = json!({"x_lit_nt": 0.5, "x_cosine_nt": 1.0, "x_sine_nt": 0.4, "x_up_nt": 0.2, "y_lit_nt": 0.1,
+        "y_cosine_nt": -0.6, "y_sine_nt": 0.3, "y_up_nt": 0.5, "z_lit_nt": -0.4, "z_cosine_nt": 0.2, "z_sine_nt": 0.7, "z_up_nt": 0.1});
+    let leakage = json!({"north_ppm": 5000.0, "east_ppm": 3000.0, "down_ppm": 9000.0, "lag_s": 300.0});
+    let across = json!({"north_ppm": 5000.0, "east_ppm": 3000.0, "down_ppm": 9000.0, "lag_s": 300.0,
+        "north_from_east_ppm": 20000.0, "north_from_down_ppm": -10000.0, "east_from_north_ppm": -20000.0,
+        "east_from_down_ppm": 15000.0, "down_from_north_ppm": 10000.0, "down_from_east_ppm": -15000.0});
+    let all = json!([
+        ["Runs", "quadratic_nonlinearity", "sensor", "x", {"departure_nt": 3.0}],
+        ["Runs", "cubic_nonlinearity", "sensor", "y", {"departure_nt": 3.0}],
+        ["Runs", "cross_field", "sensor", "z", {"first_nt": 4.0, "second_nt": -2.0, "mixed_nt": 1.0}],
+        ["Runs", "cross_field_sensitivity", "sensor", "x", {"first_nt": 4.0, "second_nt": 3.0}],
+        ["Runs", "offset_temperature", "sensor", "x", {"coefficient_nt_per_k": 0.2, "curvature_nt_per_k2": 0.01}],
+        ["Runs", "offset_temperature_lag", "sensor", "y", {"coefficient_nt_per_k": 0.2, "lag_s": 300.0}],
+        ["Runs", "sensitivity_temperature", "sensor", "z", {"coefficient_ppm_per_k": 20.0, "curvature_ppm_per_k2": 0.5}],
+        ["Runs", "sensitivity_temperature_lag", "sensor", "x", {"coefficient_ppm_per_k": 20.0, "lag_s": 300.0}],
+        ["Runs", "axis_temperature", "sensor", "y", {"first_arcsec_per_k": 1.0, "second_arcsec_per_k": 0.5}],
+        ["Runs", "axis_creep", "sensor", "z", {"first_arcsec_per_k": 1.0, "second_arcsec_per_k": -0.5, "lag_s": 250.0}],
+        ["Runs", "hysteresis", "sensor", "z", {"amplitude_nt": 1.0, "coercivity_nt": 3000.0}],
+        ["Runs", "perming", "sensor", "y", {"remanence_ppm": 100.0, "threshold_nt": 15000.0}],
+        ["Runs", "warm_up", "sensor", "x", {"amplitude_nt": 3.0, "time_constant_s": 700.0}],
+        ["Days", "ageing", "sensor", "y", {"rate_nt_per_day": 0.3}],
+        ["Days", "sensitivity_ageing", "sensor", "x", {"rate_ppm_per_day": 10.0}],
+        ["Runs", "offset_electronics_temperature", "sensor", "z", {"coefficient_nt_per_k": 0.2, "curvature_nt_per_k2": 0.01}],
+        ["Runs", "offset_electronics_temperature_lag", "sensor", "x", {"coefficient_nt_per_k": 0.2, "lag_s": 150.0}],
+        ["Runs", "sensitivity_electronics_temperature", "sensor", "y", {"coefficient_ppm_per_k": 20.0, "curvature_ppm_per_k2": 0.5}],
+        ["Runs", "sensitivity_electronics_temperature_lag", "sensor", "z", {"coefficient_ppm_per_k": 20.0, "lag_s": 150.0}],
+        ["Runs", "loop_bandwidth", "sensor", "x", {"lag_s": 0.05}],
+        ["Runs", "delay", "sensor", "y", {"delay_s": 0.05}],
+        ["Runs", "quantisation", "sensor", "z", {"width_nt": 1.0}],
+        ["Runs", "differential_nonlinearity", "sensor", "x", {"sine_nt": 1.0, "cosine_nt": 0.6, "period_nt": 9000.0}],
+        ["Runs", "saturation", "sensor", "y", {"level_nt": 70000.0}],
+        ["Runs", "clipping", "sensor", "x", {"level_nt": 29990.0}],
+        ["Runs", "clock_offset", "", "", {"offset_s": 0.01}],
+        ["Runs", "clock_rate", "", "", {"rate_ppm": 3.0}],
+        ["Runs", "reading_step", "sensor", "z", {"height_nt": 2.0, "time_s": 2700.0}],
+        ["Runs", "spike", "sensor", "y", {"height_nt": 20.0, "time_s": 2500.0}],
+        ["Runs", "dropout", "sensor", "x", {"time_s": 2500.0, "duration_s": 60.0}],
+        ["Runs", "coil_temperature", "coil", "z", {"coefficient_ppm_per_k": 10.0}],
+        ["Runs", "coil_heating", "coil", "x", {"fall_ppm_per_a2": 50.0, "lag_s": 600.0}],
+        ["Runs", "eddy_currents", "coil", "y", {"share_ppm": 100.0, "time_constant_s": 60.0}],
+        ["Site", "nulling_leakage", "", "", leakage],
+        ["Runs", "coil_gradient", "coil", "x", {"gradient_ppm_per_m": 100.0}],
+        ["Cube", "off_centre", "", "", {"x_m": 0.001, "y_m": 0.002, "z_m": -0.001}],
+        ["Fast", "mains", "", "", line(50.02)],
+        ["Fast", "traction_power", "", "", line(16.68)],
+        ["Site", "vehicle_pass", "", "", pass],
+        ["Site", "working_hours", "", "", {"north_nt": 2.0, "east_nt": -1.0, "down_nt": 1.0}],
+        ["Site", "measured_tilt", "", "", {"gain_ppm": 900000.0}],
+        ["Craft", "stray_current", "column", "panel_current_a", {"x_nt_per_a": 3.0, "y_nt_per_a": -1.0, "z_nt_per_a": 2.0}],
+        ["Craft", "reaction_wheel", "column", "wheel_hz", wheel],
+        ["Craft", "reaction_wheel_harmonic", "column", "wheel_hz", wheel],
+        ["Craft", "sun_thermoelectric", "", "", sun],
+        ["Runs", "offset_temperature_inflection", "sensor", "z", {"coefficient_nt_per_k": 0.05, "half_change_nt_per_k": 0.3, "inflection_k": 297.0, "width_k": 1.5}],
+        ["Runs", "coil_heating", "coil", "z", {"fall_ppm_per_a2": 50.0, "fall_at_start_ppm_per_a2": 50.0, "lag_s": 400.0}],
+        ["Site", "working_hours", "", "", {"north_nt": 2.0, "east_nt": -1.0, "down_nt": 1.0, "slack_s": 1200.0}],
+        ["Site", "nulling_leakage_across", "", "", across],
+        ["Fast", "periodic_field", "", "", wanders],
+    ]);
+    let scenes = [Scene::Runs, Scene::Cube, Scene::Days, Scene::Fast, Scene::Site, Scene::Craft];
+    let case = |case: &Value| {
+        let scene = scenes.into_iter().find(|scene| case[0] == format!("{scene:?}")).expect("a scene");
+        let mut effect = json!({"effect": case[1], "parameters": case[4]});
+        if let Some(key) = case[2].as_str().filter(|key| !key.is_empty()) {
+            effect[key] = case[3].clone();
+        }
+        (scene, effect)
+    };
+    all.as_array().expect("cases").iter().map(case).collect()
 }
 
 /// What a simpler effect says as well, so that it is named.
@@ -209,48 +103,16 @@ const FARTHEST: f64 = 4.5;
 /// of an rms of 480 rows.
 const ABOVE_NOISE: f64 = 1.1;
 
-/// What came of one case.
-struct Outcome {
-    verdict: Verdict,
-    named: Vec<String>,
-    ambiguity: Vec<Vec<String>>,
-    sigma: f64,
-    held_out_over_floor: f64,
-}
-
-fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Outcome, Value) {
+/// The effect as it was scaled, and what comes of it.
+fn run(which: Scene, effect: &Value, times: f64, seed: u64) -> (Value, Diagnosis) {
     // Long enough to show it: energy grows with the rows.
-    bench::longer(if times < 1.0 { 5 } else { 1 });
+    longer(if times < 1.0 { 5 } else { 1 });
     let effect = scaled(which, effect, times);
-    let document = simulated(which, std::slice::from_ref(&effect), &noise(), seed);
-    let found = diagnose::run(document, &Options::default()).expect("diagnosed");
+    let (entry, found) = diagnosed(simulated(which, std::slice::from_ref(&effect), &noise(), seed));
     if std::env::var("FLUXCAL_EFFECT").is_ok() {
         println!("{effect}\n{}", diagnose::summary(&found));
     }
-    let entry = found.diagnosis.expect("a diagnosis").remove(0);
-    let fit = entry.fit.expect("a fit");
-    let outcome = Outcome {
-        verdict: entry.verdict,
-        named: entry.effects.iter().map(|effect| target(&json!(effect))).collect(),
-        ambiguity: entry.ambiguity,
-        sigma: entry.effects.first().map_or(f64::NAN, |found| worst_sigma(&found.parameters, &effect)),
-        held_out_over_floor: fit.held_out_after_nt / fit.noise_floor_nt,
-    };
-    (outcome, effect)
-}
-
-/// One cell of the table in the docs.
-fn cell(outcome: &Outcome, right: bool, held: bool) -> String {
-    let answer = match outcome.verdict {
-        Verdict::Explained if right => "named".to_string(),
-        Verdict::PartlyExplained if right => "named, something left".to_string(),
-        Verdict::Ambiguous if held => format!("one of {}", outcome.ambiguity.len()),
-        Verdict::Agrees => "not seen".into(),
-        Verdict::Unexplained => "unexplained".into(),
-        verdict => format!("{}: {}", verdict.word().replace('_', " "), outcome.named.join(", ")),
-    };
-    let figures = format!("{:.1} σ, {:.3}", outcome.sigma, outcome.held_out_over_floor);
-    if right { format!("{answer} ({figures})") } else { answer }
+    (effect, entry)
 }
 
 /// One case in eight, or all with `FLUXCAL_CASES=all`, at 3 times the noise, or at `FLUXCAL_TIMES` of it;
@@ -273,35 +135,40 @@ fn effects_are_named() {
         if only.as_ref().is_some_and(|only| effect["effect"] != **only) {
             continue;
         }
-        table += &format!("| `{}` |", target(&effect));
+        let name = target(&effect);
+        table += &format!("| `{name}` |");
         for times in &times {
-            let (outcome, effect) = run(which, &effect, *times, 11 + number as u64);
-            let name = target(&effect);
-            let explained = matches!(outcome.verdict, Verdict::Explained | Verdict::PartlyExplained);
-            let right = explained && outcome.named == [name.clone()];
-            let held = outcome.ambiguity.iter().flatten().any(|member| *member == name);
-            println!(
-                "{name:45} ×{times:<4} {:17} {:?} {:?} worst σ {:.1} held-out/floor {:.3}",
-                outcome.verdict.word(),
-                outcome.named,
-                outcome.ambiguity,
-                outcome.sigma,
-                outcome.held_out_over_floor
-            );
-            table += &format!(" {} |", cell(&outcome, right, held));
-            let silent = matches!(outcome.verdict, Verdict::Agrees | Verdict::Unexplained);
+            let (effect, entry) = run(which, &effect, *times, 11 + number as u64);
+            let named: Vec<String> = entry.effects.iter().map(|effect| target(&json!(effect))).collect();
+            let fit = entry.fit.expect("a fit");
+            let left = fit.held_out_after_nt / fit.noise_floor_nt;
+            let sigma = entry.effects.first().map_or(f64::NAN, |own| worst_sigma(&own.parameters, &effect));
+            let explained = matches!(entry.verdict, Verdict::Explained | Verdict::PartlyExplained);
+            let right = explained && named == [name.clone()];
+            let held = entry.ambiguity.iter().flatten().any(|member| *member == name);
+            // One cell of the table in the docs.
+            let figures = format!("({sigma:.1} σ, {left:.3})");
+            let cell = match entry.verdict {
+                Verdict::Explained if right => format!("named {figures}"),
+                Verdict::PartlyExplained if right => format!("named, something left {figures}"),
+                Verdict::Ambiguous if held => format!("one of {}", entry.ambiguity.len()),
+                Verdict::Agrees => "not seen".into(),
+                Verdict::Unexplained => "unexplained".into(),
+                verdict => format!("{}: {}", verdict.word().replace('_', " "), named.join(", ")),
+            };
+            println!("{name:45} ×{times:<4} {cell}");
+            table += &format!(" {cell} |");
+            let silent = matches!(entry.verdict, Verdict::Agrees | Verdict::Unexplained);
             let short = SHORT.contains(&(name.as_str(), *times));
-            let passed = right || held || short || (silent && *times < 3.0);
-            if !passed {
-                wrong.push(format!("{name} ×{times}: {:?}", outcome.named));
+            if !(right || held || short || (silent && *times < 3.0)) {
+                wrong.push(format!("{name} ×{times}: {named:?}"));
             }
-            let (sigma, left) = (outcome.sigma, outcome.held_out_over_floor);
             if right && (sigma.is_nan() || sigma > FARTHEST) {
                 wrong.push(format!("{name} ×{times}: a parameter is {sigma:.1} standard uncertainties off"));
             }
             // The only reading to know of a clipping's level is the one it cut, and that may be among those
             // left out.
-            let predicts = right && outcome.verdict == Verdict::Explained && name != "clipping x";
+            let predicts = right && entry.verdict == Verdict::Explained && name != "clipping x";
             if predicts && (left.is_nan() || left > ABOVE_NOISE) {
                 wrong.push(format!("{name} ×{times}: {left:.3} times the noise is left"));
             }
