@@ -8,8 +8,7 @@ use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises::{self, Filter};
 use crate::problem::{Cause, Problem, Term};
-use crate::products::{Product, products};
-use crate::stack::Stack;
+use crate::stack::{Candidate, Product, Stack, products};
 use crate::sweep::Sweep;
 
 /// Half the change of ln τ over which the derivative with respect to it is taken.
@@ -41,22 +40,15 @@ impl Amplitude {
 
 /// All channels with the causes of a set.
 pub struct Fitted {
-    /// The causes.
     pub amplitudes: Vec<Amplitude>,
     /// The coefficient of each of the base's columns in each channel, with its standard uncertainty; the level
     /// follows them.
     pub base: Vec<Vec<(f64, f64)>>,
-    /// What is left of each channel under its most probable form of noise.
-    pub residual: Vec<Vec<f64>>,
     /// What plain least squares leave: on the base alone, and on all columns.
     pub before: Vec<Vec<f64>>,
     pub after: Vec<Vec<f64>>,
-    /// What each cause contributes to each channel.
     pub contributions: Vec<Vec<Vec<f64>>>,
-    /// The most probable form of noise of each channel.
     pub noise: Vec<noises::Form>,
-    /// Variance of the whitened residual under it.
-    pub variance: Vec<f64>,
     /// The columns of the fit that are independent, for each channel.
     columns: Vec<Vec<usize>>,
     /// Columns of the derivative of each relaxed cause with respect to ln τ.
@@ -91,91 +83,64 @@ impl Fitted {
 /// Fits some causes in their forms to all channels.
 pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[Filter]) -> Fitted {
     let mut stack = Stack::of(problem, named);
-    let derivatives = slopes(problem, &mut stack, named);
+    let slopes = slopes(problem, &mut stack, named);
     let made = products(&stack, noises);
-    let columns: Vec<Vec<usize>> = (0..stack.y.len())
+    let channels = || 0..stack.y.len();
+    let columns: Vec<Vec<usize>> = channels()
         .map(|channel| {
             let own = stack.candidates.iter().flat_map(|one| one.columns[channel].clone());
-            let slopes = derivatives.iter().flatten().flatten().copied();
+            let slopes = slopes.iter().flatten().flatten().copied();
             stack.base.iter().copied().chain(own).chain(slopes).collect()
         })
         .collect();
-    let mixtures: Vec<Mixture> = (0..stack.y.len())
-        .map(|channel| {
-            let own: Vec<usize> = columns[channel][stack.base.len()..].to_vec();
-            let weights = Sweep::of(&made, problem.rows(), stack.y[channel], &stack.base, &own).weights();
-            let freedom = problem.rows() as f64 - columns[channel].len() as f64;
-            let of = |product: &Product| coefficients(&stack, product, channel, &columns[channel], freedom);
-            let heavy = made.iter().zip(&weights).filter(|(_, weight)| **weight > LEAST);
-            Mixture::of(
-                heavy
-                    .map(|(product, weight)| {
-                        let (coefficients, covariance) = of(product);
-                        Component { log_weight: weight.ln(), coefficients, covariance }
-                    })
-                    .collect(),
-                freedom.max(1.0),
-            )
-        })
-        .collect();
-    let mut fitted = Fitted {
-        amplitudes: Vec::new(),
-        base: Vec::new(),
-        residual: Vec::new(),
-        before: Vec::new(),
-        after: Vec::new(),
-        contributions: vec![Vec::new(); named.len()],
-        noise: Vec::new(),
-        variance: Vec::new(),
-        columns: Vec::new(),
-        slopes: derivatives.clone(),
-        stack,
+    let sweep = |channel: usize| {
+        let own = &columns[channel][stack.base.len()..];
+        Sweep::of(&made, &stack, channel, &stack.base, own)
     };
-    let stack = &fitted.stack;
-    for (channel, columns) in columns.iter().enumerate() {
-        let y = stack.y[channel];
-        let own: Vec<usize> = columns[stack.base.len()..].to_vec();
-        let best = Sweep::of(&made, problem.rows(), y, &stack.base, &own).best();
-        let fit = Fit::of(&made[best].gram, y, columns);
-        let scaled = |series: Vec<f64>| -> Vec<f64> { series.iter().map(|v| v * stack.scale[y]).collect() };
-        fitted.residual.push(scaled(fit.rest(&stack.columns, &stack.columns[y])));
-        let plain = |columns: &[usize]| {
-            scaled(Fit::of(&made[0].gram, y, columns).rest(&stack.columns, &stack.columns[y]))
+    let sweeps: Vec<Sweep<'_>> = channels().map(sweep).collect();
+    let mixture = |channel: usize| {
+        let freedom = (problem.rows() as f64 - columns[channel].len() as f64).max(1.0);
+        let heavy = made.iter().zip(sweeps[channel].weights()).filter(|(_, weight)| *weight > LEAST);
+        let component = |(product, weight): (&Product, f64)| {
+            let (coefficients, covariance) =
+                coefficients(&stack, product, channel, &columns[channel], freedom);
+            Component { log_weight: weight.ln(), coefficients, covariance }
         };
-        fitted.before.push(plain(&stack.plain));
-        fitted.after.push(plain(columns));
-        for (of, candidate) in fitted.contributions.iter_mut().zip(&stack.candidates) {
-            let mut sum = vec![0.0; problem.rows()];
-            for column in &candidate.columns[channel] {
-                let size = fit.coefficient(*column) * stack.scale[y];
-                sum.iter_mut().zip(&stack.columns[*column]).for_each(|(sum, value)| *sum += size * value);
-            }
-            of.push(sum);
+        Mixture::of(heavy.map(component).collect(), freedom)
+    };
+    let mixtures: Vec<Mixture> = channels().map(mixture).collect();
+    let best: Vec<usize> = sweeps.iter().map(Sweep::best).collect();
+    let fit = |channel: usize| Fit::of(&made[best[channel]].gram, stack.y[channel], &columns[channel]);
+    let fits: Vec<Fit> = channels().map(fit).collect();
+    let plain = |channel: usize, columns: &[usize]| -> Vec<f64> {
+        let y = stack.y[channel];
+        let rest = Fit::of(&made[0].gram, y, columns).rest(&stack.columns, &stack.columns[y]);
+        rest.into_iter().map(|value| value * stack.scale[y]).collect()
+    };
+    let contribution = |candidate: &Candidate, channel: usize| {
+        let mut sum = vec![0.0; problem.rows()];
+        for column in &candidate.columns[channel] {
+            let size = fits[channel].coefficient(*column) * stack.scale[stack.y[channel]];
+            sum.iter_mut().zip(&stack.columns[*column]).for_each(|(sum, value)| *sum += size * value);
         }
-        fitted.noise.push(noises[best].form.clone());
-        let freedom = (problem.rows() as f64 - columns.len() as f64).max(1.0);
-        fitted.variance.push(fit.left / freedom * stack.scale[y] * stack.scale[y]);
-        fitted.columns.push(fit.columns);
-    }
-    let place = |channel: usize, column: usize| {
-        columns[channel].iter().position(|known| *known == column).expect("a column of the fit")
+        sum
     };
     let quantity = |channel: usize, column: usize| {
-        let at = place(channel, column);
+        let at = columns[channel].iter().position(|known| *known == column).expect("a column of the fit");
         let scale = stack.scale[stack.y[channel]] / stack.scale[column];
         let (value, variance) = (mixtures[channel].coefficients()[at], mixtures[channel].covered(at, at));
         (value * scale, variance.max(0.0).sqrt() * scale.abs())
     };
-    fitted.base = (0..stack.y.len())
-        .map(|channel| stack.base.iter().map(|column| quantity(channel, *column)).collect())
-        .collect();
-    for (number, ((cause, form), candidate)) in named.iter().zip(&stack.candidates).enumerate() {
+    let quantities =
+        |all: &[(f64, f64)]| all.iter().map(|(value, std)| Quantity::new(*value, *std)).collect();
+    let amplitude = |number: usize| {
+        let ((cause, form), candidate) = (named[number], &stack.candidates[number]);
         let of_channel = |channel: usize| -> Vec<(f64, f64)> {
             candidate.columns[channel].iter().map(|column| quantity(channel, *column)).collect()
         };
-        let each: Vec<Vec<(f64, f64)>> = (0..stack.y.len()).map(of_channel).collect();
-        let late_s = derivatives[number].as_ref().map(|slope| {
-            let ratios = (0..stack.y.len()).flat_map(|channel| {
+        let each: Vec<Vec<(f64, f64)>> = channels().map(of_channel).collect();
+        let late_s = slopes[number].as_ref().map(|slope| {
+            let ratios = channels().flat_map(|channel| {
                 slope.iter().zip(&each[channel]).map(move |(column, size)| (channel, *column, *size))
             });
             let parts = ratios.map(|(channel, column, (size, _))| {
@@ -186,22 +151,33 @@ pub fn fit(problem: &Problem, named: &[(Cause, Form)], noises: &[Filter]) -> Fit
             let late_s = form.late_s * by.clamp(-0.5, 0.5).exp();
             Quantity::new(late_s, late_s * std)
         });
-        let quantities =
-            |all: &[(f64, f64)]| all.iter().map(|(value, std)| Quantity::new(*value, *std)).collect();
         let (channels, alike) = if candidate.tied {
             let columns = candidate.columns.iter().map(Vec::len).max().unwrap_or(0);
             let of_column = |column: usize| each.iter().filter_map(move |of| of.get(column).copied());
-            let means: Vec<((f64, f64), [f64; 2])> =
-                (0..columns).map(|column| mean(of_column(column))).collect();
-            let [one, other] = [0, 1].map(|part| means.iter().map(|(_, parts)| parts[part]).sum::<f64>());
-            let alike = one / (one + other);
-            (vec![quantities(&means.iter().map(|(mean, _)| *mean).collect::<Vec<_>>())], Some(alike))
+            let (means, parts): (Vec<(f64, f64)>, Vec<[f64; 2]>) =
+                (0..columns).map(|column| mean(of_column(column))).unzip();
+            let [one, other] = [0, 1].map(|part| parts.iter().map(|parts| parts[part]).sum::<f64>());
+            (vec![quantities(&means)], Some(one / (one + other)))
         } else {
             (each.iter().map(|of| quantities(of)).collect(), None)
         };
-        fitted.amplitudes.push(Amplitude { cause: *cause, form: *form, channels, late_s, alike });
+        Amplitude { cause, form, channels, late_s, alike }
+    };
+    let amplitudes = (0..named.len()).map(amplitude).collect();
+    let base_of = |channel: usize| stack.base.iter().map(|column| quantity(channel, *column)).collect();
+    let contributions_of =
+        |candidate: &Candidate| channels().map(|channel| contribution(candidate, channel)).collect();
+    Fitted {
+        amplitudes,
+        base: channels().map(base_of).collect(),
+        before: channels().map(|channel| plain(channel, &stack.plain)).collect(),
+        after: channels().map(|channel| plain(channel, &columns[channel])).collect(),
+        contributions: stack.candidates.iter().map(contributions_of).collect(),
+        noise: best.iter().map(|best| noises[*best].form.clone()).collect(),
+        columns: fits.into_iter().map(|fit| fit.columns).collect(),
+        slopes,
+        stack,
     }
-    fitted
 }
 
 /// Columns of the derivative of each relaxed cause with respect to ln τ.
@@ -234,7 +210,7 @@ fn coefficients(
     freedom: f64,
 ) -> (Vec<f64>, Mat<f64>) {
     let fit = Fit::of(&product.gram, stack.y[channel], columns);
-    let variance = fit.left / freedom.max(1.0);
+    let variance = fit.left / freedom;
     let places: Vec<Option<usize>> = columns.iter().map(|column| fit.place(*column)).collect();
     let covariance = Mat::from_fn(columns.len(), columns.len(), |i, j| match (places[i], places[j]) {
         (Some(a), Some(b)) => variance * fit.inverse[(a, b)],

@@ -5,8 +5,7 @@ use estimate::stats::rms;
 
 use crate::amplitude::{self, Amplitude, Fitted};
 use crate::form::Form;
-use crate::held_out::{HeldOut, held_out};
-use crate::predicted;
+use crate::held_out::{self, HeldOut};
 use crate::problem::{Cause, Problem};
 use crate::search::Rival;
 use crate::select::{Screened, Selected};
@@ -66,20 +65,17 @@ impl Explained {
 
 /// Explains a problem; `told` hears what is being done.
 ///
-/// # Errors
-///
-/// Times out of order.
+/// Errors: times out of order.
 pub fn explain(problem: &Problem, told: &dyn Fn(&str)) -> Result<Explained, Error> {
     told("weighing sets of causes");
     let (selected, fitted, gains, predicted) = predictive(problem)?;
     told("predicting readings that are left out");
-    let named = selected.named.iter().map(|(cause, form, _)| (*cause, *form));
-    let offered: Vec<(Cause, Form)> = named.chain(selected.offered.iter().copied()).collect();
-    let held_out = HeldOut { named: predicted, ..held_out(&Stack::of(problem, &offered))? };
+    let offered = [&selected.named[..], &selected.offered].concat();
+    let held_out = held_out::held_out(&Stack::of(problem, &offered), predicted)?;
     let probability = |cause: Cause| -> f64 {
         selected.rivals.iter().filter(|set| set.causes.contains(&cause)).map(|set| set.probability).sum()
     };
-    let probabilities = selected.named.iter().map(|(cause, ..)| probability(*cause)).collect();
+    let probabilities = selected.named.iter().map(|(cause, _)| probability(*cause)).collect();
     Ok(Explained {
         causes: fitted.amplitudes,
         gains: selected.gains,
@@ -102,9 +98,9 @@ fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>, Vec<f64>), 
     let mut out: Vec<Cause> = Vec::new();
     loop {
         let selected = screened.select(&out)?;
-        let fitted = fit(part, &selected);
+        let fitted = amplitude::fit(part, &selected.named, &selected.noises);
         let sets: Vec<Option<usize>> = (0..selected.named.len()).map(Some).chain([None]).collect();
-        let mut all = predicted::rms(part, &fitted, &sets)?;
+        let mut all = held_out::predicted(part, &fitted, &sets)?;
         let with = all.swap_remove(selected.named.len());
         let (mut gains, before) = (Vec::new(), out.len());
         for (number, without) in all.iter().enumerate() {
@@ -118,11 +114,6 @@ fn predictive(part: &Problem) -> Result<(Selected, Fitted, Vec<f64>, Vec<f64>), 
             return Ok((selected, fitted, gains, with));
         }
     }
-}
-
-fn fit(part: &Problem, selected: &Selected) -> Fitted {
-    let named: Vec<(Cause, Form)> = selected.named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
-    amplitude::fit(part, &named, &selected.noises)
 }
 
 /// ln of the factor by which rms are lower, all channels together.

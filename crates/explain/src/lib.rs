@@ -8,14 +8,13 @@
 //! What acts without having been recorded is a [`Course`]: its columns come with the problem.
 //!
 //! - `form` has the forms of a cause: at once, late by a relaxation or by whole samples, bent. `stack` puts all
-//!   columns side by side; `products` whitens them under each form of noise (`noises`) and forms their
-//!   products.
+//!   columns side by side, whitens them under each form of noise (`noises`) and forms their products.
 //! - `sweep` is the evidence of a regression, `search` the search over sets, `select` the search as a whole:
 //!   screened on thinned rows, decided on all.
 //! - `reference` takes the noise of the readings that the others are regressed on out of the products; a name
 //!   that does not stand then is none.
-//! - `amplitude` fits. `predicted` says what fit and noise predict of readings that are left out: a name that does
-//!   not lower that is none. `held_out` does the same for plain rivals.
+//! - `amplitude` fits. `held_out` says what fit and noise predict of readings that are left out: a name that does
+//!   not lower that is none; and what plain rivals do.
 
 mod amplitude;
 mod explained;
@@ -23,9 +22,7 @@ mod fit;
 mod form;
 mod held_out;
 mod noises;
-mod predicted;
 mod problem;
-mod products;
 mod reference;
 mod search;
 mod select;

@@ -27,10 +27,8 @@ const UNKNOWNS: f64 = 6.0;
 /// A process that is nowhere more than this share of a spectrum is left out.
 const SHOWS: f64 = 1e-3;
 
-/// Noise, up to its scale.
 #[derive(Clone, Debug)]
 pub enum Form {
-    /// White noise and a power law.
     Law(Noise),
     /// White noise of one and a process.
     Plateau(Process),
@@ -40,10 +38,6 @@ pub enum Form {
 
 impl Form {
     /// Its filter at some times.
-    ///
-    /// # Errors
-    ///
-    /// Times out of order.
     pub fn whitening(&self, time_s: &[f64]) -> Result<Whitening, Error> {
         let length = time_s.last().zip(time_s.first()).map_or(0.0, |(last, first)| last - first);
         match self {
@@ -66,18 +60,12 @@ impl Form {
 /// Noise, and its filter at the rows of a problem.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// The noise.
     pub form: Form,
-    /// Its filter.
     pub whitening: Whitening,
 }
 
 impl Filter {
     /// Of some noises.
-    ///
-    /// # Errors
-    ///
-    /// Times out of order.
     pub fn all(forms: Vec<Form>, time_s: &[f64]) -> Result<Vec<Self>, Error> {
         let of = |form: Form| Ok(Self { whitening: form.whitening(time_s)?, form });
         forms.into_iter().map(of).collect()
@@ -173,9 +161,7 @@ pub fn fitted(residual: &[f64], step_s: f64) -> Option<Form> {
 
 /// The filter of a residual's own spectrum; None where it is too short for one.
 ///
-/// # Errors
-///
-/// Times out of order.
+/// Errors: times out of order.
 pub fn filter(time_s: &[f64], residual: &[f64], step_s: f64) -> Result<Option<Whitening>, Error> {
     fitted(residual, step_s).map(|form| form.whitening(time_s)).transpose()
 }

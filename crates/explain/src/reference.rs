@@ -11,9 +11,7 @@
 
 use crate::fit::Fit;
 use crate::problem::Problem;
-use crate::products::Product;
-use crate::search::Named;
-use crate::stack::Stack;
+use crate::stack::{Named, Product, Stack};
 
 /// So many shares are tried, to all.
 pub const SHARES: u32 = 10;
@@ -45,13 +43,11 @@ pub fn held(
     (channel, set): (usize, &[Named]),
     share: f64,
 ) -> Vec<Product> {
-    let (y, white, rows) = (stack.y[channel], &made[0], problem.rows());
+    let (y, white, rows) = (stack.y[channel], &made[0], stack.rows());
     // A column that resembles the field takes noise of the reference away: beside the base alone it is all there.
     let left = Fit::of(&white.gram, y, &stack.base).left / rows as f64 * stack.scale[y] * stack.scale[y];
     let noise: Vec<f64> = largest(problem).into_iter().map(|own| own.min(left)).collect();
-    let shown = set.iter().filter(|one| one.channels[channel]);
-    let own = shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone());
-    let mut columns: Vec<usize> = stack.base.iter().copied().chain(own).collect();
+    let mut columns = [&stack.base[..], &stack.shown(set, channel)].concat();
     if hidden(stack, white, &noise, &columns) > MOST {
         // Names that are the field itself do not say how the instrument answers to it.
         columns.truncate(stack.base.len());

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::form::Form;
 use crate::problem::Cause;
-use crate::products::Product;
-use crate::stack::{Candidate, Stack};
+use crate::stack::{Candidate, Named, Product, Stack};
 use crate::sweep::{Sweep, sum};
 
 /// ln of the odds against a cause before the readings are looked at, beside those of its being one of so many.
@@ -14,19 +13,8 @@ const AGAINST: f64 = 3.0;
 const BEAM: usize = 6;
 const MOST: usize = 12;
 
-/// A candidate that acts, and on which channels it shows.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Named {
-    /// Its number.
-    pub candidate: usize,
-    /// The channels on which it shows.
-    pub channels: Vec<bool>,
-}
-
-/// Causes that act together.
 #[derive(Clone, Debug)]
 pub struct Set {
-    /// Each of them.
     pub named: Vec<Named>,
     /// ln of prior times evidence.
     pub evidence: f64,
@@ -42,6 +30,9 @@ pub struct Rival {
     /// Its probability among all that were weighed.
     pub probability: f64,
 }
+
+/// The causes that were thought of, each with the number of its forms.
+pub type Thought = BTreeMap<Cause, usize>;
 
 /// ln of the prior share of a form among those of its cause: half of it is that the cause acts at once.
 fn of_form(candidate: &Candidate, forms: usize) -> f64 {
@@ -66,7 +57,6 @@ pub struct Search<'a> {
     stack: &'a Stack,
     base: &'a [usize],
     products: Vec<&'a [Product]>,
-    rows: usize,
     /// ln of the prior odds of each candidate.
     prior: Vec<f64>,
     without: Vec<Cause>,
@@ -74,32 +64,23 @@ pub struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    /// Over the candidates of a stack, with their products; so many `causes` were thought of, each in so many
-    /// `forms`.
-    pub fn new(
-        stack: &'a Stack,
-        products: &'a [Product],
-        rows: usize,
-        causes: usize,
-        forms: &dyn Fn(Cause) -> usize,
-    ) -> Self {
-        Self::of_channels((stack, &stack.base), vec![products; stack.y.len()], rows, causes, forms)
+    /// Over the candidates of a stack, with their products.
+    pub fn new(stack: &'a Stack, products: &'a [Product], thought: &Thought) -> Self {
+        Self::of_channels((stack, &stack.base), vec![products; stack.y.len()], thought)
     }
 
     /// The same with another base, and with products of its own for each channel.
     pub fn of_channels(
         (stack, base): (&'a Stack, &'a [usize]),
         products: Vec<&'a [Product]>,
-        rows: usize,
-        causes: usize,
-        forms: &dyn Fn(Cause) -> usize,
+        thought: &Thought,
     ) -> Self {
         let of = |candidate: &Candidate| {
-            -AGAINST - (causes.max(1) as f64).ln() + of_form(candidate, forms(candidate.cause))
-                - candidate.looks
+            let forms = thought.get(&candidate.cause).copied().unwrap_or(1);
+            -AGAINST - (thought.len().max(1) as f64).ln() + of_form(candidate, forms) - candidate.looks
         };
         let prior = stack.candidates.iter().map(of).collect();
-        Self { stack, base, products, rows, prior, without: Vec::new(), weighed: BTreeMap::new() }
+        Self { stack, base, products, prior, without: Vec::new(), weighed: BTreeMap::new() }
     }
 
     /// The same where some causes do not act.
@@ -155,10 +136,8 @@ impl<'a> Search<'a> {
 
     fn sweeps(&self, named: &[Named]) -> Vec<Sweep<'a>> {
         let of = |channel: usize| {
-            let shown = named.iter().filter(|one| one.channels[channel]);
-            let columns: Vec<usize> =
-                shown.flat_map(|one| self.stack.candidates[one.candidate].columns[channel].clone()).collect();
-            Sweep::of(self.products[channel], self.rows, self.stack.y[channel], self.base, &columns)
+            let columns = self.stack.shown(named, channel);
+            Sweep::of(self.products[channel], self.stack, channel, self.base, &columns)
         };
         (0..self.stack.y.len()).map(of).collect()
     }
@@ -187,11 +166,14 @@ impl<'a> Search<'a> {
             all.push(evidence);
         }
         for (larger, all) in of_cause.values() {
-            let evidence = sum(all.iter().copied());
-            let known = self.weighed.entry(self.causes(larger)).or_insert(evidence);
-            *known = known.max(evidence);
+            self.weigh(larger, sum(all.iter().copied()));
         }
         of_cause.into_values().map(|(larger, _)| larger).collect()
+    }
+
+    fn weigh(&mut self, set: &Set, evidence: f64) {
+        let known = self.weighed.entry(self.causes(set)).or_insert(evidence);
+        *known = known.max(evidence);
     }
 
     /// Each candidate of a cause that is not in a set, with the channels on which it shows and what it adds to
@@ -207,11 +189,11 @@ impl<'a> Search<'a> {
             if taken.contains(&candidate.cause) {
                 continue;
             }
-            let mut gains = Vec::new();
-            for ((sweep, before), columns) in sweeps.iter().zip(&before).zip(&candidate.columns) {
+            let of = |((sweep, before), columns): ((&Sweep<'_>, &f64), &Vec<usize>)| {
                 let (evidence, rank) = sweep.with(columns);
-                gains.push((evidence - before, rank as f64 * width));
-            }
+                (evidence - before, rank as f64 * width)
+            };
+            let gains: Vec<(f64, f64)> = sweeps.iter().zip(&before).zip(&candidate.columns).map(of).collect();
             let own = self.prior[number] - self.patterns(candidate);
             if candidate.tied {
                 let unknowns = gains.iter().map(|(_, width)| *width).fold(0.0, f64::max);
@@ -231,25 +213,17 @@ impl<'a> Search<'a> {
     /// The set after each of its causes was taken out and the best put in its place, until none is better.
     fn exchanged(&mut self, mut set: Set) -> Set {
         for _ in 0..MOST {
-            let mut better = None;
-            for out in 0..set.named.len() {
+            let better = (0..set.named.len()).find_map(|out| {
                 let mut rest = set.named.clone();
                 rest.remove(out);
                 let smaller = Set { evidence: self.evidence(&rest), named: rest };
-                let causes = self.causes(&smaller);
-                let known = self.weighed.entry(causes).or_insert(smaller.evidence);
-                *known = known.max(smaller.evidence);
+                self.weigh(&smaller, smaller.evidence);
                 let all = self.larger(&smaller).into_iter().chain([smaller]);
                 let best = all.max_by(|a, b| a.evidence.total_cmp(&b.evidence));
-                if let Some(best) = best.filter(|best| best.evidence > set.evidence + 1e-6) {
-                    better = Some(best);
-                    break;
-                }
-            }
-            match better {
-                Some(better) => set = better,
-                None => break,
-            }
+                best.filter(|best| best.evidence > set.evidence + 1e-6)
+            });
+            let Some(better) = better else { break };
+            set = better;
         }
         set
     }

@@ -2,17 +2,15 @@
 
 use estimate::Error;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 use crate::amplitude::{self, Amplitude};
 use crate::fit::Fit;
 use crate::form::Form;
 use crate::noises::{self, Filter};
 use crate::problem::{Cause, Problem};
-use crate::products::{Product, product, products};
 use crate::reference::{SHARES, held};
-use crate::search::{Named, Rival, Search};
-use crate::stack::Stack;
+use crate::search::{Rival, Search, Thought};
+use crate::stack::{Named, Product, Stack, product, products};
 use crate::sweep::Sweep;
 
 /// Up to so many rows all forms are weighed on all rows; beyond, they are screened on so many in so many blocks.
@@ -32,35 +30,29 @@ const SPECTRA: usize = 3;
 const IMPROBABLE: f64 = 1e-15;
 /// A refined relaxation is between those of the grid by these factors.
 const NEARER: [f64; 2] = [1.2, 1.06];
+
 /// The best set of causes, and how likely it is.
 pub struct Selected {
-    /// Each cause in its form, and the channels on which it shows.
-    pub named: Vec<(Cause, Form, Vec<bool>)>,
+    pub named: Vec<(Cause, Form)>,
     /// ln of the odds of the set with and without each of them.
     pub gains: Vec<f64>,
-    /// All sets that were weighed.
     pub rivals: Vec<Rival>,
     /// The forms that were weighed on all rows.
     pub offered: Vec<(Cause, Form)>,
-    /// The forms of noise.
     pub noises: Vec<Filter>,
 }
 
 /// Causes in their forms on all channels: ln of the odds for all of them together, and their amplitudes.
 ///
-/// # Errors
-///
-/// Times out of order.
+/// Errors: times out of order.
 pub fn weigh(problem: &Problem, offered: &[(Cause, Form)]) -> Result<(f64, Vec<Amplitude>), Error> {
     let laws = Filter::all(noises::laws(problem.step_s()), &problem.time_s)?;
-    let all = vec![true; problem.channels.len()];
     let stack = Stack::of(problem, offered);
     let made = products(&stack, &laws);
-    let named = |candidate: usize| Named { candidate, channels: all.clone() };
+    let named = |candidate: usize| Named { candidate, channels: vec![true; problem.channels.len()] };
     let set: Vec<Named> = (0..offered.len()).map(named).collect();
     let (noises, _) = with_spectra(problem, &stack, &laws, &made, &set)?;
-    let named: Vec<_> = offered.iter().map(|(cause, form)| (*cause, *form, all.clone())).collect();
-    let gain = gains(problem, &named, &noises, 1, &|_| 1, &[(0..offered.len()).collect()])[0];
+    let gain = gains(problem, offered, &set, &noises, &Thought::new(), &[(0..offered.len()).collect()])[0];
     Ok((gain, amplitude::fit(problem, offered, &noises).amplitudes))
 }
 
@@ -68,7 +60,7 @@ pub fn weigh(problem: &Problem, offered: &[(Cause, Form)]) -> Result<(f64, Vec<A
 /// remain plausible.
 pub struct Screened<'a> {
     problem: &'a Problem,
-    counts: BTreeMap<Cause, usize>,
+    thought: Thought,
     offered: Vec<(Cause, Form)>,
     laws: usize,
     stack: Stack,
@@ -79,36 +71,27 @@ pub struct Screened<'a> {
 
 impl<'a> Screened<'a> {
     /// Of a problem.
-    ///
-    /// # Errors
-    ///
-    /// Times out of order.
     pub fn of(problem: &'a Problem) -> Result<Self, Error> {
         let forms = |cause: Cause| Form::all(problem, cause).into_iter().map(move |form| (cause, form));
         let mut offered: Vec<(Cause, Form)> = problem.causes().into_iter().flat_map(forms).collect();
-        let mut counts: BTreeMap<Cause, usize> = BTreeMap::new();
-        offered.iter().for_each(|(cause, _)| *counts.entry(*cause).or_default() += 1);
-        let count = |cause: Cause| counts[&cause];
+        let mut thought = Thought::new();
+        offered.iter().for_each(|(cause, _)| *thought.entry(*cause).or_default() += 1);
         let mut laws = noises::laws(problem.step_s());
         if problem.rows() > ROWS || offered.len() > AT_ONCE {
             let thin = problem.at(&thinned(problem.rows(), ROWS, BLOCKS));
             let filters = Filter::all(laws, &thin.time_s)?;
             let some: Vec<Filter> = filters.iter().step_by(LAWS_APART).cloned().collect();
-            offered = screened(&thin, &offered, &some, counts.len(), &count);
-            laws = probable(&thin, &offered, filters, counts.len(), &count);
+            offered = screened(&thin, &offered, &some, &thought);
+            laws = probable(&thin, &offered, filters, &thought);
         }
         let stack = Stack::of(problem, &offered);
         let filters = Filter::all(laws, &problem.time_s)?;
         let made = products(&stack, &filters);
         let (noises, products) = with_spectra(problem, &stack, &filters, &made, &[])?;
-        Ok(Self { problem, counts, offered, laws: filters.len(), stack, noises, products })
+        Ok(Self { problem, thought, offered, laws: filters.len(), stack, noises, products })
     }
 
     /// The best set of all causes but some; what noise of the reference may imitate is no name.
-    ///
-    /// # Errors
-    ///
-    /// Times out of order.
     pub fn select(&self, without: &[Cause]) -> Result<Selected, Error> {
         let mut without = without.to_vec();
         loop {
@@ -123,11 +106,8 @@ impl<'a> Screened<'a> {
     }
 
     fn best(&self, without: &[Cause]) -> Result<Selected, Error> {
-        let Self { problem, stack, .. } = self;
-        let all = self.counts.len();
-        let count = |cause: Cause| self.counts[&cause];
-        let best =
-            |made: &[Product]| Search::new(stack, made, problem.rows(), all, &count).without(without).best();
+        let Self { problem, stack, thought, .. } = self;
+        let best = |made: &[Product]| Search::new(stack, made, thought).without(without).best();
         let mut noises = self.noises.clone();
         let (mut set, mut rivals) = best(&self.products);
         // The noise is what the right set leaves.
@@ -147,16 +127,16 @@ impl<'a> Screened<'a> {
         if set.named.is_empty() {
             noises = self.noises.clone();
         }
-        let of = |one: &Named| {
-            let candidate = &stack.candidates[one.candidate];
-            (candidate.cause, candidate.form, one.channels.clone())
-        };
-        let mut named: Vec<(Cause, Form, Vec<bool>)> = set.named.iter().map(of).collect();
+        let candidates = set.named.iter().map(|one| &stack.candidates[one.candidate]);
+        let mut named: Vec<(Cause, Form)> = candidates.map(|one| (one.cause, one.form)).collect();
+        // Of the named ones alone.
+        let of = |(candidate, one): (usize, &Named)| Named { candidate, ..one.clone() };
+        let set: Vec<Named> = set.named.iter().enumerate().map(of).collect();
         for by in NEARER {
-            refine(problem, &mut named, &noises, by);
+            refine(problem, &mut named, &set, &noises, by);
         }
         let each: Vec<Vec<usize>> = (0..named.len()).map(|one| vec![one]).collect();
-        let gains = gains(problem, &named, &noises, all, &count, &each);
+        let gains = gains(problem, &named, &set, &noises, thought, &each);
         Ok(Selected { named, gains, rivals, offered: self.offered.clone(), noises })
     }
 }
@@ -170,17 +150,12 @@ fn with_spectra(
     of_laws: &[Product],
     set: &[Named],
 ) -> Result<(Vec<Filter>, Vec<Product>), Error> {
-    let own = |channel: usize| -> Vec<usize> {
-        let shown = set.iter().filter(|one| one.channels[channel]);
-        shown.flat_map(|one| stack.candidates[one.candidate].columns[channel].clone()).collect()
-    };
     let (mut forms, mut made) = (laws.to_vec(), of_laws.to_vec());
     for round in 0..SPECTRA {
         let fitted = (0..stack.y.len()).filter_map(|channel| {
-            let (y, own) = (stack.y[channel], own(channel));
-            let best = Sweep::of(&made, problem.rows(), y, &stack.base, &own).best();
-            let columns: Vec<usize> = stack.base.iter().chain(&own).copied().collect();
-            let fit = Fit::of(&made[best].gram, y, &columns);
+            let (y, own) = (stack.y[channel], stack.shown(set, channel));
+            let best = Sweep::of(&made, stack, channel, &stack.base, &own).best();
+            let fit = Fit::of(&made[best].gram, y, &[&stack.base[..], &own].concat());
             noises::fitted(&fit.rest(&stack.columns, &stack.columns[y]), problem.step_s())
         });
         let fitted = Filter::all(fitted.collect(), &problem.time_s)?;
@@ -190,7 +165,7 @@ fn with_spectra(
         made.extend(if round + 1 == SPECTRA {
             products(stack, &fitted)
         } else {
-            let all = (0..stack.y.len()).flat_map(&own);
+            let all = (0..stack.y.len()).flat_map(|channel| stack.shown(set, channel));
             let mut among: Vec<usize> = stack.base.iter().chain(&stack.y).copied().chain(all).collect();
             among.sort_unstable();
             among.dedup();
@@ -216,12 +191,11 @@ fn probable(
     thin: &Problem,
     offered: &[(Cause, Form)],
     laws: Vec<Filter>,
-    causes: usize,
-    count: &dyn Fn(Cause) -> usize,
+    thought: &Thought,
 ) -> Vec<noises::Form> {
     let stack = Stack::of(thin, offered);
     let made = products(&stack, &laws);
-    let search = || Search::new(&stack, &made, thin.rows(), causes, count);
+    let search = || Search::new(&stack, &made, thought);
     let (best, _) = search().best();
     let weights: Vec<Vec<f64>> =
         [&[][..], &best.named].iter().flat_map(|set| search().noise_weights(set)).collect();
@@ -235,8 +209,7 @@ fn screened(
     thin: &Problem,
     offered: &[(Cause, Form)],
     noises: &[Filter],
-    causes: usize,
-    count: &dyn Fn(Cause) -> usize,
+    thought: &Thought,
 ) -> Vec<(Cause, Form)> {
     let mut kept: Vec<(Cause, Form)> = Vec::new();
     let mut rest = offered;
@@ -248,7 +221,7 @@ fn screened(
         }
         let (group, later) = rest.split_at(many);
         rest = later;
-        kept.extend(best_forms(thin, group, noises, causes, count));
+        kept.extend(best_forms(thin, group, noises, thought));
     }
     kept
 }
@@ -257,12 +230,11 @@ fn best_forms(
     thin: &Problem,
     group: &[(Cause, Form)],
     noises: &[Filter],
-    causes: usize,
-    count: &dyn Fn(Cause) -> usize,
+    thought: &Thought,
 ) -> Vec<(Cause, Form)> {
     let stack = Stack::of(thin, group);
     let made = products(&stack, noises);
-    let search = || Search::new(&stack, &made, thin.rows(), causes, count);
+    let search = || Search::new(&stack, &made, thought);
     let (best, _) = search().best();
     let mut kept: Vec<(Cause, Form)> = Vec::new();
     let mut keep = |one: (Cause, Form)| {
@@ -270,9 +242,7 @@ fn best_forms(
             kept.push(one);
         }
     };
-    for named in &best.named {
-        keep(group[named.candidate]);
-    }
+    best.named.iter().for_each(|named| keep(group[named.candidate]));
     for set in [&[][..], &best.named] {
         let mut offers = search().offers(set);
         offers.sort_by(|a, b| b.1.total_cmp(&a.1));
@@ -289,33 +259,28 @@ fn best_forms(
 }
 
 /// Relaxations between those of the grid, one cause after the other.
-fn refine(problem: &Problem, named: &mut [(Cause, Form, Vec<bool>)], noises: &[Filter], by: f64) {
+fn refine(problem: &Problem, named: &mut [(Cause, Form)], set: &[Named], noises: &[Filter], by: f64) {
     for place in 0..named.len() {
         if named[place].1.late_s == 0.0 {
             continue;
         }
-        let (cause, form, _) = named[place].clone();
-        let mut offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
+        let (cause, form) = named[place];
+        let mut offered = named.to_vec();
         let near = form.near(by).into_iter().chain([form]);
         let near = near.flat_map(|form| [form, Form { lines: !form.lines, ..form }]);
         let through = form.through().into_iter().filter(|_| matches!(cause, Cause::Covariate(_)));
         offered.extend(near.chain(through).map(|form| (cause, form)));
         let stack = Stack::of(problem, &offered);
         let made = products(&stack, noises);
-        let search = Search::new(&stack, &made, problem.rows(), 1, &|_| 1);
+        let search = Search::new(&stack, &made, &Thought::new());
         let with = |candidate: usize| {
-            let of = |(at, (_, _, channels)): (usize, &(Cause, Form, Vec<bool>))| Named {
-                candidate: if at == place { candidate } else { at },
-                channels: channels.clone(),
-            };
-            search.evidence(&named.iter().enumerate().map(of).collect::<Vec<_>>())
+            let mut set = set.to_vec();
+            set[place].candidate = candidate;
+            search.evidence(&set)
         };
-        let best = [place]
-            .into_iter()
-            .chain(named.len()..offered.len())
-            .max_by(|a, b| with(*a).total_cmp(&with(*b)));
-        if let Some(best) = best {
-            named[place].1 = offered[best].1;
+        let tried = std::iter::once(place).chain(named.len()..offered.len());
+        if let Some(best) = tried.max_by(|a, b| with(*a).total_cmp(&with(*b))) {
+            named[place] = offered[best];
         }
     }
 }
@@ -324,46 +289,40 @@ fn refine(problem: &Problem, named: &mut [(Cause, Form, Vec<bool>)], noises: &[F
 /// field is held, any share of the noise being the reference's.
 fn gains(
     problem: &Problem,
-    named: &[(Cause, Form, Vec<bool>)],
+    named: &[(Cause, Form)],
+    all: &[Named],
     noises: &[Filter],
-    causes: usize,
-    count: &dyn Fn(Cause) -> usize,
+    thought: &Thought,
     parts: &[Vec<usize>],
 ) -> Vec<f64> {
     if named.is_empty() {
         return Vec::new();
     }
-    let offered: Vec<(Cause, Form)> = named.iter().map(|(cause, form, _)| (*cause, *form)).collect();
-    let all: Vec<Named> = named
-        .iter()
-        .enumerate()
-        .map(|(candidate, (_, _, channels))| Named { candidate, channels: channels.clone() })
-        .collect();
     let without = |out: &Vec<usize>| -> Vec<Named> {
         all.iter().filter(|one| !out.contains(&one.candidate)).cloned().collect()
     };
-    let gain = |search: &Search<'_>, out: &Vec<usize>| search.evidence(&all) - search.evidence(&without(out));
-    let stack = Stack::of(problem, &offered);
+    let gain = |search: &Search<'_>, out: &Vec<usize>| search.evidence(all) - search.evidence(&without(out));
+    let stack = Stack::of(problem, named);
     let made = products(&stack, noises);
-    let search = Search::new(&stack, &made, problem.rows(), causes, count);
+    let search = Search::new(&stack, &made, thought);
     let mut gains: Vec<f64> = parts.iter().map(|out| gain(&search, out)).collect();
     if problem.noisy == 0 {
         return gains;
     }
     let plain = problem.plain();
-    let mut stack = Stack::of(&plain, &offered);
-    stack.shade(&plain);
+    let mut stack = Stack::of(&plain, named);
+    stack.shade(plain.noisy);
     let made = products(&stack, noises);
-    let search = Search::new(&stack, &made, problem.rows(), causes, count);
+    let search = Search::new(&stack, &made, thought);
     let free: Vec<f64> = parts.iter().map(|out| gain(&search, out)).collect();
     let mut lost = vec![0.0_f64; parts.len()];
     for share in 0..=SHARES {
         let share = f64::from(share) / f64::from(SHARES);
-        let of = |channel: usize| held(&plain, &stack, &made, (channel, &all), share);
+        let of = |channel: usize| held(&plain, &stack, &made, (channel, all), share);
         let of_channels: Vec<Vec<Product>> = (0..stack.y.len()).map(of).collect();
         let of_channels = of_channels.iter().map(Vec::as_slice).collect();
         let beside = (&stack, &stack.base[plain.noisy..]);
-        let search = Search::of_channels(beside, of_channels, problem.rows(), causes, count);
+        let search = Search::of_channels(beside, of_channels, thought);
         for ((lost, free), out) in lost.iter_mut().zip(&free).zip(parts) {
             *lost = lost.max(free - gain(&search, out));
         }

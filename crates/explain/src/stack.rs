@@ -1,24 +1,32 @@
-//! All columns of a problem side by side, of like size, and which of them make up an explanation.
+//! All columns of a problem side by side, of like size, which of them make up an explanation, and their products under
+//! each form of noise: from there on nothing depends on the number of rows.
+
+use estimate::{add_gram, mirrored};
+use faer::Mat;
+use rayon::prelude::*;
 
 use crate::form::Form;
+use crate::noises::Filter;
 use crate::problem::{Cause, Problem, Term};
+
+/// A candidate that acts, and on which channels it shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    pub candidate: usize,
+    pub channels: Vec<bool>,
+}
 
 /// A cause in one form, and its columns.
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// What acts.
     pub cause: Cause,
-    /// In which form.
     pub form: Form,
-    /// The columns' places for each channel.
     pub columns: Vec<Vec<usize>>,
-    /// Whether the channels have one amplitude.
     pub tied: bool,
     /// ln of the number of alike ones among which it was found.
     pub looks: f64,
 }
 
-/// The columns.
 pub struct Stack {
     /// Each with a mean square of one.
     pub columns: Vec<Vec<f64>>,
@@ -30,12 +38,10 @@ pub struct Stack {
     pub plain: Vec<usize>,
     /// What is known of the others adds to the squares of their columns.
     pub known: Vec<(usize, f64)>,
-    /// Places of the channels' readings.
     pub y: Vec<usize>,
     /// Places of white noise of one nT for each noisy reading, the first columns of the base, where it was asked
     /// for.
     pub noise: Vec<usize>,
-    /// What may explain them.
     pub candidates: Vec<Candidate>,
 }
 
@@ -69,6 +75,16 @@ impl Stack {
             stack.offer(problem, *cause, *form);
         }
         stack
+    }
+
+    pub fn rows(&self) -> usize {
+        self.columns.first().map_or(0, Vec::len)
+    }
+
+    /// The columns by which some candidates show in a channel.
+    pub fn shown(&self, set: &[Named], channel: usize) -> Vec<usize> {
+        let shown = set.iter().filter(|one| one.channels[channel]);
+        shown.flat_map(|one| self.candidates[one.candidate].columns[channel].clone()).collect()
     }
 
     fn offer(&mut self, problem: &Problem, cause: Cause, form: Form) {
@@ -106,12 +122,13 @@ impl Stack {
         self.candidates.push(Candidate { cause, form, columns, tied, looks });
     }
 
-    /// Adds what noise of the base's readings looks like.
-    pub fn shade(&mut self, problem: &Problem) {
-        for reading in 0..problem.noisy {
+    /// Adds what noise of so many of the base's readings looks like.
+    pub fn shade(&mut self, noisy: usize) {
+        for reading in 0..noisy {
             let mut stream = noise::Stream::new(1, &format!("reading {reading}"));
+            let column = (0..self.rows()).map(|_| stream.normal()).collect();
             self.noise.push(self.columns.len());
-            self.columns.push((0..problem.rows()).map(|_| stream.normal()).collect());
+            self.columns.push(column);
             self.scale.push(1.0);
         }
     }
@@ -125,4 +142,36 @@ impl Stack {
         self.scale.push(scale);
         self.columns.len() - 1
     }
+}
+
+/// Products of whitened columns, and the determinant of the covariance.
+#[derive(Clone, Debug)]
+pub struct Product {
+    /// Xᵀ C⁻¹ X.
+    pub gram: Mat<f64>,
+    /// ln |C|, and ln of the prior odds of the noise.
+    pub log_determinant: f64,
+    pub log_prior: f64,
+}
+
+pub fn products(stack: &Stack, filters: &[Filter]) -> Vec<Product> {
+    let all: Vec<usize> = (0..stack.columns.len()).collect();
+    filters.par_iter().map(|filter| product(stack, &all, filter)).collect()
+}
+
+/// The same of some of the columns, with zeros for the others.
+pub fn product(stack: &Stack, among: &[usize], filter: &Filter) -> Product {
+    let columns: Vec<&[f64]> = among.iter().map(|column| stack.columns[*column].as_slice()).collect();
+    let mut own = Mat::<f64>::zeros(among.len(), among.len());
+    filter.whitening.by_rows(&columns, |some| add_gram(&mut own, some));
+    let own = mirrored(own);
+    let mut gram = Mat::zeros(stack.columns.len(), stack.columns.len());
+    for (i, row) in among.iter().enumerate() {
+        among.iter().enumerate().for_each(|(j, column)| gram[(*row, *column)] = own[(i, j)]);
+    }
+    for (column, known) in &stack.known {
+        gram[(*column, *column)] += known;
+    }
+    let log_prior = filter.form.prior(filter.whitening.rows());
+    Product { gram, log_determinant: filter.whitening.log_determinant(), log_prior }
 }

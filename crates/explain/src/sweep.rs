@@ -1,6 +1,6 @@
 //! One channel regressed on a set of columns under each form of noise, and what further columns would explain.
 
-use crate::products::Product;
+use crate::stack::{Product, Stack};
 
 /// What others leave of a column is at least this share of it, or it follows from them.
 const INDEPENDENT: f64 = 1e-9;
@@ -27,10 +27,11 @@ pub struct Sweep<'a> {
 }
 
 impl<'a> Sweep<'a> {
-    /// Of the column `y` on those of the base and then of the set.
-    pub fn of(products: &'a [Product], rows: usize, y: usize, base: &[usize], set: &[usize]) -> Self {
+    /// Of a channel on the columns of the base and then of the set.
+    pub fn of(products: &'a [Product], stack: &Stack, channel: usize, base: &[usize], set: &[usize]) -> Self {
+        let (y, rows) = (stack.y[channel], stack.rows() as f64);
         let under = products.iter().map(|product| Under::of(product, y, base, set)).collect();
-        Self { under, y, freedom: rows as f64 - base.len() as f64, rows: rows as f64 }
+        Self { under, y, freedom: rows - base.len() as f64, rows }
     }
 
     /// ln of the evidence: over forms of noise with their odds, scale integrated out, coefficients of the base
@@ -56,14 +57,12 @@ impl<'a> Sweep<'a> {
         (sum(all), rank)
     }
 
-    /// The probability of each form of noise.
     pub fn weights(&self) -> Vec<f64> {
         let all: Vec<f64> = self.under.iter().map(|under| self.of_one(under, under.left)).collect();
         let total = sum(all.iter().copied());
         all.iter().map(|one| (one - total).exp()).collect()
     }
 
-    /// The most probable form of noise.
     pub fn best(&self) -> usize {
         let weights = self.weights();
         (0..weights.len()).fold(0, |a, b| if weights[b] > weights[a] { b } else { a })
@@ -149,7 +148,6 @@ impl<'a> Under<'a> {
     }
 }
 
-/// ln Σ e^x.
 pub fn sum(of: impl Iterator<Item = f64>) -> f64 {
     let all: Vec<f64> = of.collect();
     let largest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);
