@@ -3,14 +3,13 @@
 use physics::{EffectInstance, Parameter, Role};
 
 use crate::Error;
-use crate::atoms::{Shape, Thing};
-use crate::model::{Model, State};
+use crate::candidates::Shape;
+use crate::model::{Model, State, amplitudes};
 use crate::pool::searched;
-use crate::proposal::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal, What};
 use crate::stacked::Stacked;
 
-/// The columns of an effect at the shapes that a fit has of it, and the derivatives by those, sizes as in the
-/// fit.
+/// The columns of an effect at the shapes of a fit, and the derivatives by those, sizes as in the fit.
 pub fn at_shapes(
     model: &Model<'_>,
     state: &State,
@@ -37,8 +36,7 @@ pub fn at_shapes(
     Ok((stacked(columns), stacked(by_shape)))
 }
 
-/// The columns of something found at moments, and whether they are what it does rather than derivatives by
-/// its amplitudes.
+/// The columns of an event, and whether they are what it does rather than derivatives by its amplitudes.
 pub fn columns_of(
     model: &Model<'_>,
     state: &State,
@@ -53,7 +51,6 @@ pub fn columns_of(
     Ok(fit.then_some((columns, finite)))
 }
 
-/// A state with additions as they are.
 pub fn with_additions(model: &Model<'_>, state: &State, additions: &[Addition]) -> State {
     additions.iter().fold(state.clone(), |mut state, addition| match addition {
         Addition::Effect(effect) => model.with(&state, effect.clone()),
@@ -64,8 +61,7 @@ pub fn with_additions(model: &Model<'_>, state: &State, additions: &[Addition]) 
     })
 }
 
-/// A state without things that came in, which stand in it from a number of effects and of single readings on, and the
-/// numbers behind them.
+/// A state without additions that stand in it from some numbers of effects and singles on; the numbers behind them.
 pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State, (usize, usize)) {
     let effects = gone.iter().filter(|one| matches!(one, Addition::Effect(_))).count();
     let to = (from.0 + effects, from.1 + gone.len() - effects);
@@ -76,14 +72,14 @@ pub fn without(state: &State, from: (usize, usize), gone: &[Addition]) -> (State
 }
 
 /// What comes in for an atom at a shape with its coefficients.
-pub fn additions(thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
-    match thing {
-        Thing::Effect(template) => {
+pub fn additions(what: &What, shape: &Shape, coefficients: &[f64]) -> Vec<Addition> {
+    match what {
+        What::Physics(template) => {
             let mut effect = shape.form.as_ref().unwrap_or(template).clone();
             let searched = searched(effect.kind);
             let shape = shape.value;
             let mut sizes = coefficients.iter();
-            let sized = effect.kind.parameters().iter().any(|info| info.role == Role::Amplitude);
+            let sized = !amplitudes(effect.kind).is_empty();
             for (k, info) in effect.kind.parameters().iter().enumerate() {
                 match (info.role, shape) {
                     (Role::Amplitude, _) => effect.parameters[k] = sizes.next().copied().unwrap_or(0.0),
@@ -98,7 +94,7 @@ pub fn additions(thing: &Thing, shape: &Shape, coefficients: &[f64]) -> Vec<Addi
             }
             vec![Addition::Effect(effect)]
         }
-        Thing::Event(additions) => additions.clone(),
-        Thing::Smooth(..) => Vec::new(),
+        What::Event(additions) => additions.clone(),
+        What::Smooth { .. } => Vec::new(),
     }
 }

@@ -6,10 +6,8 @@ use physics::{Acts, Parameter, Role, Unit, frames};
 
 use crate::fit::Fit;
 use crate::joint;
-use crate::level::Rest;
-use crate::model::{Model, Unknown};
-
-use crate::{Error, Outcome};
+use crate::model::{Model, Unknown, moving_place};
+use crate::{Error, Ground, Outcome};
 
 /// Writes effects and calibration; gives the parameters of the effects as they are written.
 pub fn adopt(
@@ -19,32 +17,30 @@ pub fn adopt(
 ) -> Result<Vec<IndexMap<String, Quantity>>, Error> {
     let before = Uncertainty::of(document)?;
     effects(document, outcome);
-    let known = outcome.base.state.effects.len();
-    write(document, model, (&outcome.fit, &outcome.last.rest), before, known)?;
+    let known = outcome.base.fit.state.effects.len();
+    write(document, model, &outcome.now, before, known)?;
     let listed = document.model.iter().flat_map(|model| &model.effects);
     Ok(listed.map(|effect| effect.parameters.clone()).collect())
 }
 
 /// Writes the calibration of a fit without effects.
-pub fn calibration(document: &mut Document, model: &Model<'_>, fit: (&Fit, &Rest)) -> Result<(), Error> {
+pub fn calibration(document: &mut Document, model: &Model<'_>, ground: &Ground) -> Result<(), Error> {
     let before = Uncertainty::of(document)?;
-    let known = fit.0.state.effects.len();
-    write(document, model, fit, before, known)
+    write(document, model, ground, before, ground.fit.state.effects.len())
 }
 
-/// Writes the constants of a fit, and the joint uncertainty of all that it moved; `before` is that of the
-/// document as it came.
+/// Writes the constants of a fit, and the joint uncertainty of all that it moved; `before` is the earlier one.
 fn write(
     document: &mut Document,
     model: &Model<'_>,
-    (fit, rest): (&Fit, &Rest),
+    ground: &Ground,
     before: Uncertainty,
     known: usize,
 ) -> Result<(), Error> {
     let as_it_came = document.clone();
-    constants(document, model, fit);
+    constants(document, model, &ground.fit);
     let stated = Document { model: document.model.clone(), ..as_it_came };
-    let (joint, paths) = joint::adopted(&stated, model, (fit, rest), before, known)?;
+    let (joint, paths) = joint::adopted(&stated, model, ground, before, known)?;
     joint::state(document, &joint, &paths);
     document.calibration.get_or_insert_default().uncertainty = Some(joint);
     Ok(())
@@ -52,8 +48,8 @@ fn write(
 
 fn effects(document: &mut Document, outcome: &Outcome) {
     let listed = document.model.get_or_insert_default();
-    let known = outcome.base.state.effects.len();
-    for (number, effect) in outcome.fit.state.effects.iter().enumerate() {
+    let known = outcome.base.fit.state.effects.len();
+    for (number, effect) in outcome.now.fit.state.effects.iter().enumerate() {
         let parameters = outcome.parameters[number].clone();
         if number < known {
             // What the document knew of it and is not fitted stays as it was.
@@ -88,56 +84,20 @@ fn constants(document: &mut Document, model: &Model<'_>, fit: &Fit) {
     let state = &fit.state;
     let mut turned = [false; 2];
     let calibration = document.calibration.get_or_insert_default();
-    for (unknown, shift) in model.unknowns.iter().zip(&state.base) {
-        if *shift == 0.0 {
-            continue;
-        }
+    for (unknown, shift) in model.unknowns.iter().zip(&state.base).filter(|(_, shift)| **shift != 0.0) {
         match unknown {
-            Unknown::Chain(parameter, unit) => match parameter {
-                Parameter::Sensitivity(axis) => {
-                    let known = basic(model, *unit).map(|basic| basic.sensors[axis.index()].sensitivity);
-                    let sensor =
-                        calibration.sensors.get_or_insert_default().entry(*axis).get_or_insert_default();
-                    let place = match unit {
-                        Unit::Volt => &mut sensor.sensitivity_nt_per_v,
-                        Unit::Nanotesla => &mut sensor.sensitivity_nt_per_nt,
-                    };
-                    *place = known.map(|known| moved(place.as_ref(), known + shift));
-                }
-                Parameter::SensorOffset(axis) => {
-                    // What axescal found is to be added has the uncertainty of the sum, and moves for it.
-                    let added = calibration.axes.as_mut().and_then(|axes| axes.offsets_nt.as_mut());
-                    let added = added.and_then(|added| added.entry(*axis).as_mut());
-                    let place = match added.filter(|added| added.std().is_some()) {
-                        Some(added) => added,
-                        None => {
-                            let sensors = calibration.sensors.get_or_insert_default();
-                            sensors.entry(*axis).get_or_insert_default().offset_nt.get_or_insert_default()
-                        }
-                    };
-                    *place = moved(Some(place), place.value() + shift);
-                }
-                Parameter::CoilConstant(axis) => {
-                    let coil = calibration.coils.get_or_insert_default().entry(*axis).get_or_insert_default();
-                    let known = coil.constant_nt_per_a.as_ref().map_or(0.0, Quantity::value);
-                    coil.constant_nt_per_a = Some(moved(coil.constant_nt_per_a.as_ref(), known + shift));
-                }
-                Parameter::CoilOffset(axis) => {
-                    let coil = calibration.coils.get_or_insert_default().entry(*axis).get_or_insert_default();
-                    let known = coil.offset_nt.as_ref().map_or(0.0, Quantity::value);
-                    coil.offset_nt = Some(moved(coil.offset_nt.as_ref(), known + shift));
-                }
-                Parameter::SensorTurn(..) => turned[0] = true,
-                Parameter::CoilTurn(..) => turned[1] = true,
-                Parameter::Effect(..) => {}
-            },
-            Unknown::Field(axis) => {
-                let axes = calibration.axes.get_or_insert_default();
-                let place = axes.residual_field_nt.get_or_insert_default().entry(*axis);
-                let known = place.as_ref().map_or(0.0, Quantity::value);
-                *place = Some(moved(place.as_ref(), known + shift));
+            Unknown::Chain(Parameter::SensorTurn(..), _) => turned[0] = true,
+            Unknown::Chain(Parameter::CoilTurn(..), _) => turned[1] = true,
+            _ => {
+                let Some(place) = moving_place(calibration, unknown) else { continue };
+                let known = match unknown {
+                    Unknown::Chain(Parameter::Sensitivity(axis), unit) => {
+                        basic(model, *unit).map(|basic| basic.sensors[axis.index()].sensitivity)
+                    }
+                    _ => Some(place.as_ref().map_or(0.0, Quantity::value)),
+                };
+                *place = known.map(|known| moved(place.as_ref(), known + shift));
             }
-            Unknown::Level(_) | Unknown::Turn { .. } => {}
         }
     }
     let (basic, _) = model.setting(state, 0);

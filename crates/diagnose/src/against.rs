@@ -51,7 +51,7 @@ fn column<'s>(
 pub fn against(document: &Document, simulated: &Document) -> Result<Document, Error> {
     let kept = matched(document, simulated)?;
     let mut changed = kept.clone();
-    let (model, start) = Model::of(&kept, Observed::of(&kept)?)?;
+    let (model, start) = Model::of(Observed::of(&kept)?)?;
     let predicted = model.predicted(&start)?;
     for channel in &model.observed.channels {
         let run = &model.observed.runs[channel.run];

@@ -7,7 +7,6 @@ use crate::Error;
 /// Directions of scaled columns with less than this share of their squared length are rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// Σ of squares.
 pub fn square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum()
 }
@@ -23,7 +22,6 @@ pub fn left<'b>(basis: impl Iterator<Item = &'b [f64]>, series: &[f64]) -> Vec<f
     left
 }
 
-/// The columns of a matrix.
 pub fn columns(matrix: &Mat<f64>) -> impl Iterator<Item = &[f64]> {
     (0..matrix.ncols()).map(|j| matrix.col_as_slice(j))
 }
@@ -39,7 +37,6 @@ pub fn inverse(jacobian: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     Ok(&root * root.transpose())
 }
 
-/// A root of that.
 fn root_of_inverse(columns: MatRef<'_, f64>) -> Result<Mat<f64>, Error> {
     let count = columns.ncols();
     let gram = estimate::gram(columns);

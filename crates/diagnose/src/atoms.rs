@@ -5,13 +5,12 @@ use common::Axis;
 use physics::{Acts, EffectInstance, ParameterInfo, Role};
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::candidates::{Candidate, Trial};
+use crate::candidates::{Candidate, Shape};
 use crate::covariates;
 use crate::decide::{BEYOND, NAMELESS, SIZE_STEP, STEPS_BEYOND};
 use crate::pool::Pool;
-use crate::proposal::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal, What};
 use crate::stacked::Stacked;
-use crate::what::What;
 
 /// The rms of a column that is nothing, of which sizes are still numbers.
 const NOTHING: f64 = 1e-100;
@@ -19,13 +18,10 @@ const NOTHING: f64 = 1e-100;
 /// One of the things that may explain.
 #[derive(Clone, Debug)]
 pub struct Atom {
-    /// What it is.
-    pub thing: Thing,
-    /// Its name with its target.
+    pub what: What,
     pub name: String,
     /// ln of its probability beforehand, given that there is one thing.
     pub log_prior: f64,
-    /// Its columns at each of its shapes.
     pub shapes: Vec<Shape>,
     /// How many shapes there were before any was screened out.
     pub tried: usize,
@@ -35,58 +31,22 @@ pub struct Atom {
     pub finite: bool,
 }
 
-/// What an atom is.
-#[derive(Clone, Debug)]
-pub enum Thing {
-    /// An effect of the catalogue, sizes zero.
-    Effect(EffectInstance),
-    /// Something that happens at moments.
-    Event(Vec<Addition>),
-    /// A sensor follows a smooth function: structure without a name.
-    Smooth(String, Axis),
-}
-
-/// Columns at a shape.
-#[derive(Clone, Debug)]
-pub struct Shape {
-    /// Time constant, level, period, lag.
-    pub value: Option<f64>,
-    /// The columns' numbers.
-    pub columns: Vec<usize>,
-    /// The effect with further shapes: in a fuller form, or as a fit has found it.
-    pub form: Option<EffectInstance>,
-    /// Derivatives by the logarithm of its shapes there, for the coefficients of that fit.
-    pub by_shape: Vec<usize>,
-}
-
-impl Shape {
-    fn of(value: Option<f64>, columns: Vec<usize>) -> Self {
-        Self { value, columns, form: None, by_shape: Vec::new() }
-    }
-
-    /// Whether a fit has found it.
-    pub fn is_fitted(&self) -> bool {
-        self.value.is_none() && self.form.is_some()
-    }
-}
-
 impl Atom {
-    /// Whether it is a name rather than structure.
     pub fn is_named(&self) -> bool {
-        !matches!(self.thing, Thing::Smooth(..))
+        self.what.is_named()
     }
 
     /// Whether it is structure that follows the product of two, and each of them.
     pub fn is_product(&self) -> bool {
-        matches!(&self.thing, Thing::Smooth(covariate, _) if covariate.contains(covariates::TIMES))
+        matches!(&self.what, What::Smooth { covariate, .. } if covariate.contains(covariates::TIMES))
     }
 
     /// The sensor that it acts on alone; None for what acts on several.
     pub fn sensor(&self) -> Option<Axis> {
-        match &self.thing {
-            Thing::Smooth(_, axis) => Some(*axis),
-            Thing::Effect(effect) => of_one_sensor(effect),
-            Thing::Event(additions) => match additions.first()? {
+        match &self.what {
+            What::Smooth { axis, .. } => Some(*axis),
+            What::Physics(effect) => of_one_sensor(effect),
+            What::Event(additions) => match additions.first()? {
                 Addition::Effect(effect) => of_one_sensor(effect),
                 Addition::Single(_) => None,
             },
@@ -95,19 +55,18 @@ impl Atom {
 
     /// Whether structure is along what an effect itself follows.
     pub fn follows(&self, structure: &Self) -> bool {
-        match (&self.thing, &structure.thing) {
-            (Thing::Effect(effect), Thing::Smooth(covariate, _)) => {
+        match (&self.what, &structure.what) {
+            (What::Physics(effect), What::Smooth { covariate, .. }) => {
                 covariates::of(effect).contains(covariate)
             }
             _ => false,
         }
     }
 
-    /// Whether structure is what it does in its sensor, in a form that is left open: along a recorded column that it
-    /// follows.
+    /// Whether structure is what it does in its sensor in an open form: along a recorded column that it follows.
     pub fn is_open_form(&self, structure: &Self) -> bool {
-        match &structure.thing {
-            Thing::Smooth(covariate, axis) => {
+        match &structure.what {
+            What::Smooth { covariate, axis } => {
                 !covariates::is_field(covariate)
                     && self.sensor().is_none_or(|own| own == *axis)
                     && self.follows(structure)
@@ -118,17 +77,12 @@ impl Atom {
 
     /// Whether it is a fuller form of another: that is what it is at a special value of its parameters.
     pub fn is_fuller(&self, other: &Self) -> bool {
-        match (&self.thing, &other.thing) {
-            (Thing::Effect(own), Thing::Effect(other)) => {
+        match (&self.what, &other.what) {
+            (What::Physics(own), What::Physics(other)) => {
                 own.simpler() == Some(other.kind) && own.target() == other.target()
             }
             _ => false,
         }
-    }
-
-    /// Whether it happens at moments, or was found among frequencies or codes.
-    pub fn is_event(&self) -> bool {
-        matches!(self.thing, Thing::Event(_))
     }
 }
 
@@ -153,10 +107,8 @@ fn sizes(ranges: &[[f64; 2]]) -> Vec<(f64, Vec<f64>)> {
     within.chain(beyond).collect()
 }
 
-/// The atoms of a search.
 #[derive(Clone, Debug)]
 pub struct Atoms<'p> {
-    /// All of them.
     pub all: Vec<Atom>,
     pool: &'p Pool,
     /// Columns behind those of the pool.
@@ -166,8 +118,7 @@ pub struct Atoms<'p> {
 /// What sizes are measured by.
 #[derive(Clone, Copy, Debug)]
 pub struct Sizes {
-    /// What a reading resolves over what the catalogue's sizes are for: of a coarser instrument they are
-    /// larger in proportion.
+    /// What a reading resolves over what the catalogue's sizes are for; those grow with it.
     pub coarse: f64,
     /// Standard deviation of a reading, nT.
     pub noise_nt: f64,
@@ -194,7 +145,6 @@ impl<'p> Atoms<'p> {
         Self { all, pool, more: Vec::new() }
     }
 
-    /// A column by its number, nT.
     pub fn column(&self, number: usize) -> &Stacked {
         match number.checked_sub(self.pool.columns.len()) {
             None => &self.pool.columns[number],
@@ -202,12 +152,10 @@ impl<'p> Atoms<'p> {
         }
     }
 
-    /// How many columns there are.
     pub fn columns(&self) -> usize {
         self.pool.columns.len() + self.more.len()
     }
 
-    /// The columns behind those of the pool.
     pub fn more(&self) -> &[Stacked] {
         &self.more
     }
@@ -219,11 +167,10 @@ impl<'p> Atoms<'p> {
         (from..from + count).collect()
     }
 
-    /// Adds to the atom of an effect the shapes at which a fit has it: its columns there, and the derivatives
-    /// by the shapes.
+    /// Adds the shapes at which a fit has an effect: its columns there, and the derivatives by the shapes.
     pub fn add_fitted(&mut self, effect: &EffectInstance, columns: Vec<Stacked>, by_shape: Vec<Stacked>) {
-        let is_it = |atom: &Atom| match &atom.thing {
-            Thing::Effect(own) => own.kind == effect.kind && own.target() == effect.target(),
+        let is_it = |atom: &Atom| match &atom.what {
+            What::Physics(own) => own.kind == effect.kind && own.target() == effect.target(),
             _ => false,
         };
         let Some(number) = self.all.iter().position(is_it) else { return };
@@ -252,10 +199,10 @@ impl<'p> Atoms<'p> {
         let columns = self.add_columns(columns);
         let sizes = if finite { vec![(0.0, vec![1.0; columns.len()])] } else { sizes(ranges) };
         self.all.push(Atom {
-            thing: Thing::Event(events.iter().map(|event| event.addition.clone()).collect()),
+            what: What::Event(events.iter().map(|event| event.addition.clone()).collect()),
             name,
             log_prior: -(families.len().max(1) as f64).ln() - looks,
-            shapes: vec![Shape::of(None, columns)],
+            shapes: vec![Shape { columns, ..Shape::default() }],
             tried: 1,
             sizes,
             finite,
@@ -265,10 +212,10 @@ impl<'p> Atoms<'p> {
 
 /// The family of an atom: the effect, whatever its target; empty for structure.
 fn family(atom: &Atom) -> String {
-    match &atom.thing {
-        Thing::Effect(effect) => effect.kind.name().into(),
-        Thing::Event(_) => "event".into(),
-        Thing::Smooth(..) => String::new(),
+    match &atom.what {
+        What::Physics(effect) => effect.kind.name().into(),
+        What::Event(_) => "event".into(),
+        What::Smooth { .. } => String::new(),
     }
 }
 
@@ -283,41 +230,29 @@ pub fn ranges(effect: &EffectInstance, coarse: f64) -> Vec<[f64; 2]> {
 }
 
 fn atom(pool: &Pool, candidate: &Candidate, measure: &Sizes) -> Atom {
-    let of =
-        |trial: &Trial| Shape { form: trial.fuller.clone(), ..Shape::of(trial.shape, trial.columns.clone()) };
-    let shapes: Vec<Shape> = candidate.trials.iter().map(of).collect();
-    let first: &[usize] = shapes.first().map_or(&[], |shape| &shape.columns);
+    let first: &[usize] = candidate.shapes.first().map_or(&[], |shape| &shape.columns);
     let rms = |column: &usize| rms(&pool.columns[*column]).max(NOTHING);
-    let (thing, sizes) = match &candidate.what {
-        What::Physics(effect) if candidate.finite => {
-            (Thing::Effect(effect.clone()), vec![(0.0, vec![1.0; first.len()])])
-        }
+    let sizes = match &candidate.what {
+        What::Physics(_) if candidate.finite => vec![(0.0, vec![1.0; first.len()])],
         What::Physics(effect) if effect.kind.about().acts == Acts::WithColumn("") => {
             // A column of any unit: by what the sensor that follows it most would do.
             let most = first.iter().map(rms).fold(NOTHING, f64::max);
             let range = [0.01 * measure.noise_nt / most, 10.0 * measure.residual_nt / most];
-            (Thing::Effect(effect.clone()), sizes(&vec![range; first.len()]))
+            sizes(&vec![range; first.len()])
         }
-        What::Physics(effect) => (Thing::Effect(effect.clone()), sizes(&ranges(effect, measure.coarse))),
-        What::Smooth { covariate, axis } => {
+        What::Physics(effect) => sizes(&ranges(effect, measure.coarse)),
+        What::Event(_) => Vec::new(),
+        What::Smooth { .. } => {
             // Smooth: the size falls with the order.
             let of = |(order, c): (usize, &usize)| {
                 let fall = 1.0 / (order + 1) as f64;
                 [0.03 * measure.noise_nt * fall / rms(c), 3.0 * measure.residual_nt * fall / rms(c)]
             };
-            let all: Vec<[f64; 2]> = first.iter().enumerate().map(of).collect();
-            (Thing::Smooth(covariate.clone(), *axis), sizes(&all))
+            sizes(&first.iter().enumerate().map(of).collect::<Vec<_>>())
         }
     };
-    Atom {
-        thing,
-        name: candidate.what.name(),
-        log_prior: 0.0,
-        shapes,
-        tried: candidate.tried,
-        sizes,
-        finite: candidate.finite,
-    }
+    let Candidate { what, finite, shapes, tried } = candidate.clone();
+    Atom { name: what.name(), what, log_prior: 0.0, shapes, tried, sizes, finite }
 }
 
 /// Rms of a column where it is something.

@@ -1,14 +1,11 @@
 //! Readings held against an instrument beside them: what explains the difference, by the engine `explain`.
 
 mod answer;
-mod coarse;
-mod declared;
 mod effects;
 mod families;
-mod frozen;
 mod magnitude;
 mod pair;
-mod stated;
+mod readings;
 mod unrecorded;
 
 use common::{
@@ -16,57 +13,32 @@ use common::{
     Share, Verdict,
 };
 use estimate::stats::rms;
-use explain::{Cause, Covariate, Explained};
+use explain::{Cause, Covariate};
 use indexmap::IndexSet;
-use joined::Pair;
-use paired::events::FoundEvent;
-use paired::{Acting, Asked, Clock, Explanation};
+use paired::{Asked, Explanation};
 use physics::Kind;
 
-use self::declared::Declared;
-use self::frozen::Frozen;
-use crate::drawn::Drawn;
+use self::pair::Declared;
+use self::readings::Frozen;
+use crate::report::Drawn;
 use crate::{Error, Options, against, plain};
 
 /// A name has at least this probability.
 const NAMED: f64 = 0.9;
+
 /// What was compared, in the document's names, and what explains it.
 struct Compared {
-    /// Ids of the recordings.
     recordings: Vec<String>,
-    /// Column and axis of each channel.
     channels: Vec<(String, Option<Axis>)>,
     /// What the readings belong to, in words: "the test instrument".
     what: &'static str,
-    /// Names of the covariates.
-    covariates: Vec<String>,
-    /// Times of the rows that were explained, s, and the covariates there.
-    time_s: Vec<f64>,
-    /// What the engine's courses are.
-    acting: Vec<Acting>,
-    /// Single disturbed readings, and readings that freeze.
-    spikes: Vec<FoundEvent>,
+    of: Explanation,
     frozen: Vec<Frozen>,
     /// Sensors with coarse codes, and how wide these are, nT.
     coarse: Vec<(Axis, f64)>,
-    /// Rows that are disturbed.
-    off: usize,
-    along: Vec<Vec<f64>>,
-    /// The readings of each channel, nT.
-    recorded: Vec<Vec<f64>>,
     /// Rms of each channel as the document has it, nT.
     as_it_came: Vec<f64>,
-    clock: Option<Clock>,
-    /// What a clock that is late by a second adds to each channel, nT.
-    late_nt: Vec<Vec<f64>>,
-    /// The rows of the pair, without readings.
-    frame: Pair,
-    /// Rms of what the fit leaves of each channel with the clocks as they were recorded, nT.
-    unmoved: Vec<f64>,
-    explained: Explained,
-    /// What is to be said besides.
     notes: Vec<String>,
-    /// What the instruments' declared noise leaves.
     declared: Option<Declared>,
     /// What makes variations the whole field: whether readings are in volts, a scale factor, offsets in nT.
     main_field: Option<(bool, f64, [Quantity; 3])>,
@@ -100,48 +72,19 @@ pub fn magnitude(
 }
 
 /// All that the engine is asked of the recordings of a pair.
-fn asked(document: &Document, recordings: &[String], covariates: &[Covariate]) -> Asked {
+fn asked(document: &Document, recordings: &[String]) -> Asked {
     let given = unrecorded::working_hours(document, recordings).into_iter().collect();
-    Asked { covariates: covariates.to_vec(), correct_clock: false, unrecorded: true, given }
+    let covariates = joined::beside(document, recordings);
+    Asked { covariates, correct_clock: false, unrecorded: true, given }
 }
 
 impl Compared {
-    /// What the engine says of some covariates; what the document has to say is still missing.
-    fn of(covariates: &[Covariate], of: Explanation) -> Self {
-        let time_s = of.problem.time_s;
-        let along = |one: &Covariate| explain::sampled(&one.time_s, &one.values, &time_s, one.holds());
-        Self {
-            recordings: Vec::new(),
-            channels: Vec::new(),
-            what: "",
-            covariates: covariates.iter().map(|one| one.name.clone()).collect(),
-            along: covariates.iter().map(along).collect(),
-            recorded: of.problem.channels,
-            time_s,
-            acting: of.acting,
-            spikes: of.spikes,
-            frozen: Vec::new(),
-            coarse: Vec::new(),
-            off: of.off,
-            as_it_came: Vec::new(),
-            clock: of.clock,
-            late_nt: of.problem.rates,
-            frame: of.frame,
-            unmoved: of.unmoved,
-            explained: of.explained,
-            notes: Vec::new(),
-            declared: None,
-            main_field: None,
-        }
-    }
-
-    /// Writes what the catalogue has of the causes to the document's model: currents, and clocks where none was
-    /// stated.
+    /// Writes causes to the document's model: currents, and clocks where none was stated.
     fn adopt(&self, document: &mut Document) {
         if self.main_field.is_some() {
             return;
         }
-        let known = self.explained.probabilities.iter().all(|probability| *probability >= NAMED);
+        let known = self.of.explained.probabilities.iter().all(|probability| *probability >= NAMED);
         let currents: Vec<AdoptedEffect> = effects::effects(self)
             .into_iter()
             .filter(|effect| known && effect.effect == Kind::StrayCurrent.name())
@@ -159,8 +102,8 @@ impl Compared {
         if !currents.is_empty() {
             document.model.get_or_insert_default().effects.extend(currents);
         }
-        if let Some(clock) = self.clock.as_ref().filter(|_| !timed) {
-            paired::adopt::clock(document, &self.frame, &clock.difference, "diagnose");
+        if let Some(clock) = self.of.clock.as_ref().filter(|_| !timed) {
+            paired::adopt::clock(document, &self.of.frame, &clock.difference, "diagnose");
         }
     }
 
@@ -192,26 +135,31 @@ impl Compared {
         self.declared.as_ref().is_some_and(|declared| declared.rest.is_beyond())
     }
 
-    /// The name of a cause.
+    fn covariate(&self, number: usize) -> &Covariate {
+        &self.of.problem.covariates[number]
+    }
+
     fn name(&self, cause: Cause) -> String {
         match cause {
             Cause::Course(_) => unrecorded::name(self, cause),
-            _ => paired::named(cause, &self.covariates),
+            Cause::Covariate(number) => self.covariate(number).name.clone(),
+            _ => paired::named(cause, &[]),
         }
     }
 
     /// Sets of names that explain as well, where no single one is sure.
     fn ambiguity(&self) -> Vec<Vec<String>> {
-        let uncertain = self.explained.probabilities.iter().any(|own| *own < NAMED);
+        let uncertain = self.of.explained.probabilities.iter().any(|own| *own < NAMED);
         let mut sum = 0.0;
-        let rivals = self.explained.rivals.iter().take_while(|rival| {
+        let rivals = self.of.explained.rivals.iter().take_while(|rival| {
             let told = sum < NAMED;
             sum += rival.probability;
             told
         });
-        let rivals: Vec<Vec<Cause>> = rivals.map(|rival| rival.causes.clone()).collect();
-        let chosen = || self.explained.causes.iter().map(|one| one.cause).collect();
-        let sets = if uncertain { rivals } else { vec![chosen()] };
+        let sets: Vec<Vec<Cause>> = match uncertain {
+            true => rivals.map(|rival| rival.causes.clone()).collect(),
+            false => vec![self.of.explained.causes.iter().map(|one| one.cause).collect()],
+        };
         // How many steps or lines there are is not a matter of names.
         let named = |set: &Vec<Cause>, lag: &dyn Fn(Cause) -> Option<String>| -> Vec<String> {
             let names = set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause)));
@@ -229,7 +177,7 @@ impl Compared {
     }
 
     fn fit(&self) -> Residual {
-        let explained = &self.explained;
+        let explained = &self.of.explained;
         let whole = |of: &[Vec<f64>]| rms(&of.iter().map(|channel| rms(channel)).collect::<Vec<_>>());
         let held = &explained.held_out;
         let of = |(channel, (column, _)): (usize, &(String, Option<Axis>))| ResidualOf {
@@ -246,8 +194,8 @@ impl Compared {
         };
         Residual {
             rms_before_nt: rms(&self.as_it_came),
-            rms_refitted_nt: match &self.clock {
-                Some(_) => rms(&self.unmoved),
+            rms_refitted_nt: match &self.of.clock {
+                Some(_) => rms(&self.of.unmoved),
                 None => whole(&explained.before),
             },
             rms_after_nt: whole(&explained.residual),
@@ -265,8 +213,8 @@ impl Compared {
     }
 
     fn places(&self, effects: &[common::ExplainedEffect]) -> Vec<Share> {
-        let before: f64 = self.explained.before.iter().map(|channel| rms(channel).powi(2)).sum();
-        let after: f64 = self.explained.residual.iter().map(|channel| rms(channel).powi(2)).sum();
+        let before: f64 = self.of.explained.before.iter().map(|channel| rms(channel).powi(2)).sum();
+        let after: f64 = self.of.explained.residual.iter().map(|channel| rms(channel).powi(2)).sum();
         let of = |effect: &common::ExplainedEffect| Share {
             place: Some(effects::place(effect).into()),
             covariates: effect.column.iter().cloned().collect(),
@@ -285,8 +233,8 @@ impl Compared {
         } else if verdict == Verdict::PartlyExplained {
             parts.push("a plain regression predicts held-out readings better".to_string());
         }
-        if self.off > 0 {
-            parts.push(format!("{} disturbed", common::number::counted(self.off, "row")));
+        if self.of.off > 0 {
+            parts.push(format!("{} disturbed", common::number::counted(self.of.off, "row")));
         }
         Remaining {
             white: parts.is_empty(),
@@ -298,30 +246,31 @@ impl Compared {
 
     /// The label and the contribution to each channel, nT, of the clock.
     fn clock_contribution(&self) -> Option<(String, Vec<Vec<f64>>)> {
-        let (effect, clock) = effects::clock(self).zip(self.clock.as_ref())?;
-        let (from, to) = (self.time_s.first(), self.time_s.last());
+        let (effect, clock) = effects::clock(self).zip(self.of.clock.as_ref())?;
+        let problem = &self.of.problem;
+        let (from, to) = (problem.time_s.first(), problem.time_s.last());
         let middle_s = from.zip(to).map_or(0.0, |(from, to)| (from + to) / 2.0);
         let rate = clock.rate.as_ref().map_or(0.0, Quantity::value);
         let late_s = |at_s: &f64| clock.offset_s.value() + rate * (at_s - middle_s);
         let of = |late_nt: &Vec<f64>| {
-            late_nt.iter().zip(&self.time_s).map(|(nt, at_s)| nt * late_s(at_s)).collect()
+            late_nt.iter().zip(&problem.time_s).map(|(nt, at_s)| nt * late_s(at_s)).collect()
         };
-        Some((effect.label(), self.late_nt.iter().map(of).collect()))
+        Some((effect.label(), problem.rates.iter().map(of).collect()))
     }
 
     /// Before and after along time, the field's rate where a clock is late, and what is followed.
     fn series(&self) -> Vec<ResidualSeries> {
-        let explained = &self.explained;
-        let followed: Vec<(&str, &[f64])> = explained
-            .causes
-            .iter()
-            .filter_map(|one| match one.cause {
-                Cause::Covariate(number) => {
-                    Some((self.covariates[number].as_str(), self.along[number].as_slice()))
-                }
-                _ => None,
-            })
-            .collect();
+        let explained = &self.of.explained;
+        let problem = &self.of.problem;
+        let followed = explained.causes.iter().filter_map(|one| match one.cause {
+            Cause::Covariate(number) => {
+                let of = self.covariate(number);
+                let values = explain::sampled(&of.time_s, &of.values, &problem.time_s, of.holds());
+                Some((of.name.as_str(), values))
+            }
+            _ => None,
+        });
+        let followed: Vec<(&str, Vec<f64>)> = followed.collect();
         let clock = self.clock_contribution();
         let causes = explained.causes.iter().enumerate().zip(&explained.contributions);
         let causes =
@@ -330,20 +279,19 @@ impl Compared {
         let mut all = Vec::new();
         for (channel, (column, _)) in self.channels.iter().enumerate() {
             let mut before = explained.before[channel].clone();
-            let rate: Option<Vec<f64>> = clock.as_ref().map(|(_, of_clock)| {
+            let rate = clock.as_ref().map(|(_, of_clock)| {
                 before.iter_mut().zip(&of_clock[channel]).for_each(|(before, nt)| *before += nt);
-                self.late_nt[channel].iter().map(|nt| -nt).collect()
+                ("field_rate_nt_per_s", problem.rates[channel].iter().map(|nt| -nt).collect())
             });
-            let rate = rate.as_ref().map(|rate| ("field_rate_nt_per_s", rate.as_slice()));
-            let time = ("time_s", self.time_s.as_slice());
-            for (along, x) in [time].into_iter().chain(rate).chain(followed.iter().copied()) {
+            let time = ("time_s", problem.time_s.clone());
+            for (along, x) in [time].into_iter().chain(rate).chain(followed.iter().cloned()) {
                 let timed = along == "time_s";
                 let of = |(label, of): &(String, Vec<Vec<f64>>)| (label.clone(), of[channel].clone());
                 let drawn = Drawn {
-                    x: x.to_vec(),
+                    x,
                     before: before.clone(),
                     after: explained.residual[channel].clone(),
-                    recorded: if timed { self.recorded[channel].clone() } else { Vec::new() },
+                    recorded: if timed { problem.channels[channel].clone() } else { Vec::new() },
                     contributions: contributions.iter().map(of).collect(),
                 };
                 let recording = timed.then(|| self.recordings.join(", "));
@@ -355,21 +303,13 @@ impl Compared {
 
     fn reasons(&self, fit: &Residual) -> Vec<String> {
         let mut reasons = plain::reasons(fit);
-        let named: Vec<Cause> = self.explained.causes.iter().map(|one| one.cause).collect();
-        for rival in
-            self.explained.rivals.iter().filter(|rival| rival.causes.len() == named.len() + 1).take(3)
-        {
-            let more: Vec<String> = rival
-                .causes
-                .iter()
-                .filter(|cause| !named.contains(cause))
-                .map(|cause| self.name(*cause))
-                .collect();
-            reasons.push(format!(
-                "rejected {} besides: probability {}",
-                more.join(" and "),
-                common::number::probability(rival.probability)
-            ));
+        let named: Vec<Cause> = self.of.explained.causes.iter().map(|one| one.cause).collect();
+        let rivals = self.of.explained.rivals.iter();
+        for rival in rivals.filter(|rival| rival.causes.len() == named.len() + 1).take(3) {
+            let more = rival.causes.iter().filter(|cause| !named.contains(cause));
+            let more: Vec<String> = more.map(|cause| self.name(*cause)).collect();
+            let probability = common::number::probability(rival.probability);
+            reasons.push(format!("rejected {} besides: probability {probability}", more.join(" and ")));
         }
         reasons.extend(self.notes.iter().map(|note| format!("note: {note}")));
         reasons

@@ -3,28 +3,33 @@
 use physics::EffectInstance;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::what::What;
+use crate::proposal::What;
 
-/// One shape of a candidate.
-#[derive(Clone, Debug)]
-pub struct Trial {
-    /// Time constant, level or period.
-    pub shape: Option<f64>,
-    /// The effect in a fuller form, where that is what is tried.
-    pub fuller: Option<EffectInstance>,
-    /// Its columns in the pool.
+/// Columns at a shape.
+#[derive(Clone, Debug, Default)]
+pub struct Shape {
+    /// Time constant, level, period, lag.
+    pub value: Option<f64>,
+    /// Numbers of the columns.
     pub columns: Vec<usize>,
+    /// The effect with further shapes: in a fuller form, or as a fit has found it.
+    pub form: Option<EffectInstance>,
+    /// Derivatives by the logarithm of its shapes there, for the coefficients of that fit.
+    pub by_shape: Vec<usize>,
 }
 
-/// A candidate with all its shapes.
+impl Shape {
+    pub fn is_fitted(&self) -> bool {
+        self.value.is_none() && self.form.is_some()
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Candidate {
-    /// What it is.
     pub what: What,
     /// Whether its columns are what the effect does at a shape, rather than derivatives by its amplitudes.
     pub finite: bool,
-    /// The shapes; none of what was screened out.
-    pub trials: Vec<Trial>,
+    pub shapes: Vec<Shape>,
     /// How many there were before.
     pub tried: usize,
 }
@@ -32,21 +37,19 @@ pub struct Candidate {
 impl Candidate {
     /// What tells it from all others of a pool.
     pub fn key(&self) -> (String, bool) {
-        (self.what.name(), self.trials.first().is_some_and(|trial| trial.shape.is_some()))
+        (self.what.name(), self.shapes.first().is_some_and(|shape| shape.value.is_some()))
     }
 }
 
 /// Candidates of which a search on some of the rows has found some worth weighing.
 #[derive(Clone, Debug)]
 pub struct Kept {
-    /// All of them.
     pub candidates: Vec<Candidate>,
     /// The numbers of those that are kept, each with those of its shapes.
     pub shapes: BTreeMap<usize, BTreeSet<usize>>,
 }
 
 impl Kept {
-    /// The names of what is kept.
     pub fn names(&self) -> BTreeSet<String> {
         self.shapes.keys().map(|number| self.candidates[*number].what.name()).collect()
     }
@@ -56,13 +59,12 @@ impl Kept {
         let name = what.name();
         let own = self.shapes.iter().find(|(number, _)| self.candidates[**number].what.name() == name);
         let of = |(number, shapes): (&usize, &BTreeSet<usize>)| {
-            let trials = shapes.iter().map(|shape| &self.candidates[*number].trials[*shape]);
-            trials.map(|trial| (trial.shape, trial.fuller.clone())).collect()
+            let shapes = shapes.iter().map(|shape| &self.candidates[*number].shapes[*shape]);
+            shapes.map(|shape| (shape.value, shape.form.clone())).collect()
         };
         own.map(of).unwrap_or_default()
     }
 
-    /// Whether a shape of a candidate is kept.
     pub fn keeps(&self, key: &(String, bool), shape: usize) -> bool {
         self.shapes
             .iter()
@@ -74,8 +76,8 @@ impl Kept {
         let mut there: BTreeMap<(String, bool), Candidate> =
             candidates.into_iter().map(|candidate| (candidate.key(), candidate)).collect();
         let of = |candidate: &Candidate| {
-            let trials = there.remove(&candidate.key()).map(|own| own.trials).unwrap_or_default();
-            Candidate { trials, ..candidate.clone() }
+            let shapes = there.remove(&candidate.key()).map(|own| own.shapes).unwrap_or_default();
+            Candidate { shapes, ..candidate.clone() }
         };
         self.candidates.iter().map(of).collect()
     }

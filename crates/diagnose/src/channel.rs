@@ -1,11 +1,10 @@
 //! A recording, and the readings of one sensor, of the scalar magnetometer, or of the corrected vector's
 //! length in it.
 
-use common::{Axis, Recording, procedure};
+use common::{Axis, Recording};
 use nalgebra::Vector3;
 use physics::Setting;
 
-/// Who read a channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reader {
     /// A sensor of the magnetometer, or of the one under test.
@@ -21,9 +20,7 @@ pub enum Reader {
 pub struct Channel {
     /// Number of the recording among the [`Run`]s.
     pub run: usize,
-    /// Who read it.
     pub reader: Reader,
-    /// Name of its column.
     pub column: String,
     /// Rows of the recording that have a reading.
     pub rows: Vec<usize>,
@@ -47,7 +44,6 @@ impl Channel {
         self.at..self.at + self.rows.len()
     }
 
-    /// The one sensor that read it.
     pub fn axis(&self) -> Option<Axis> {
         match self.reader {
             Reader::Sensor(axis) => Some(axis),
@@ -59,11 +55,9 @@ impl Channel {
 /// A recording with the chain that predicts it.
 #[derive(Clone, Debug)]
 pub struct Run<'a> {
-    /// The recording.
     pub recording: &'a Recording,
     /// Its place in the document.
     pub path: String,
-    /// Chain and conditions.
     pub setting: Setting<'a>,
     /// The times, where all are there and do not run backwards.
     pub time_s: Option<&'a [f64]>,
@@ -72,9 +66,8 @@ pub struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// Whether it was made in a shield whose field is not known.
-    pub fn in_shield(&self) -> bool {
-        [procedure::SENSOR_NOISE, procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT]
-            .contains(&self.recording.procedure.as_str())
+    /// The times on the clock of the campaign, s.
+    pub fn on_clock(&self) -> Option<Vec<f64>> {
+        Some(self.time_s?.iter().map(|time| time + self.setting.context.clock_s).collect())
     }
 }

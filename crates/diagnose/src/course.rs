@@ -1,54 +1,39 @@
 //! The course of a diagnosis: a look, the sets of effects that explain what stands out, the best of them
 //! fitted together with the calibration, and what stands out then.
 
-use common::{Document, Verdict};
+use common::Verdict;
 use physics::{EffectInstance, Kind, Stage};
 use std::collections::BTreeSet;
 
 use crate::additions::{at_shapes, columns_of, with_additions, without};
 use crate::algebra::square;
 use crate::atoms::{self, Atoms, Sizes};
+use crate::codes;
 use crate::decide::SURE;
 use crate::events;
 use crate::fit::{Fit, Fitter, settled};
 use crate::form::Followed;
 use crate::form_error;
-use crate::lattice;
 use crate::level::Rest;
-use crate::model::{Model, State};
-use crate::moments::{follow, fresh, grouped, insignificant, same};
+use crate::model::Model;
+use crate::model::named;
 use crate::pool::{fuller, simpler};
-use crate::proposal::{Addition, Proposal};
-use crate::search::{Look, Searcher};
+use crate::proposal::{Addition, Proposal, follow, fresh, grouped, insignificant, same};
+use crate::search::Searcher;
 use crate::sets::{Member, Sets};
 use crate::stacked::Stacked;
 use crate::verdict;
-use crate::what::named;
 use crate::whitening::NoiseModel;
-use crate::{Error, NamedEffect, Outcome};
+use crate::{Error, Ground, NamedEffect, Outcome};
 
 /// Most times that the search begins again with what stood out of its last answer.
 const ROUNDS: usize = 8;
-/// Rounds that find the same kinds of things go on as long as the sum of squares falls by more than this
-/// share.
+/// Rounds that find the same kinds of things go on while the sum of squares falls by more than this share.
 const SETTLED: f64 = 0.02;
 /// What names must do together with the calibration, over what they do where all is linear.
 const MET: f64 = 0.5;
 /// The catalogue's sizes are those of instruments that resolve this or less, nT.
 const FINE_NT: f64 = 1.0;
-
-/// Where the search starts from, and what its answers are held against.
-#[derive(Clone)]
-pub struct Ground {
-    /// The fit.
-    pub fit: Fit,
-    /// The noise on which it rests.
-    pub noise: NoiseModel,
-    /// What stands out of it.
-    pub look: Look,
-    /// Codes that the readings show by themselves.
-    pub codes: Vec<Proposal>,
-}
 
 impl Ground {
     /// How many effects and single readings it has, behind which those of an answer stand.
@@ -59,24 +44,32 @@ impl Ground {
 
 /// Searches from names that are known, if any, fits, and judges.
 pub fn search(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher,
+    searcher: &mut Searcher<'_, '_>,
     before: Vec<f64>,
-    (base, base_noise): (Fit, NoiseModel),
+    (fit, noise): (Fit, NoiseModel),
     mut known: Vec<String>,
-    told: &dyn Fn(&str),
 ) -> Result<Outcome, Error> {
-    let first = searcher.look(&Fitter { model, noise: &base_noise }, &base)?;
-    let origin = with_codes(document, model, searcher, (base.clone(), base_noise.clone(), first.clone()))?;
-    let codes: Vec<NamedEffect> = origin.codes.iter().map(certain).collect();
+    let (model, told) = (searcher.model, searcher.told);
+    let base = searcher.ground(fit, noise)?;
+    let origin = with_codes(searcher, &base)?;
+    let found: Vec<NamedEffect> = origin.codes.iter().map(certain).collect();
+    let mut outcome = Outcome {
+        before,
+        base,
+        verdict: if found.is_empty() { Verdict::Agrees } else { Verdict::Explained },
+        found,
+        refused: Vec::new(),
+        unnamed: Vec::new(),
+        families: Vec::new(),
+        now: origin.clone(),
+        notes: Vec::new(),
+        parameters: Vec::new(),
+    };
     if origin.look.clean(searcher.level) {
-        let verdict = if codes.is_empty() { Verdict::Agrees } else { Verdict::Explained };
-        let Ground { fit, noise, look, .. } = origin;
-        return Ok(outcome(before, (base, base_noise, first), (verdict, codes), (fit, noise, look)));
+        return Ok(outcome);
     }
     // With less noise where the names of a round explain some of what passed for it.
-    let mut ground = origin.clone();
+    let mut ground = origin;
     let mut events: Vec<Proposal> = ground.look.events.clone();
     // Those of them that turned out not to be significant beside the rest.
     let mut dropped: Vec<Proposal> = Vec::new();
@@ -84,21 +77,20 @@ pub fn search(
     let mut before_this: Option<(BTreeSet<String>, f64)> = None;
     loop {
         told(&format!("comparing sets of effects, round {}", round + 1));
-        let mut answer =
-            weighed(searcher, &Fitter { model, noise: &ground.noise }, &ground, &events, &known)?;
+        let mut answer = weighed(searcher, &ground, &events, &known)?;
         known = answer.names.iter().map(|name| name.name.clone()).collect();
         let additions: Vec<Addition> = answer.names.iter().flat_map(|name| name.additions.clone()).collect();
         told("fitting the likeliest together with the calibration");
         let near = beside(model, &ground, &additions, None);
         let (fit, noise, left, cost) = match near.and_then(|fit| {
             let (left, cost) = (square(&fit.white[..fit.residual.len()]), fit.cost);
-            let (fit, noise) = with_noise(document, model, &ground, fit)?;
+            let (fit, noise) = with_noise(model, &ground, fit)?;
             Ok((fit, noise, left, cost))
         }) {
             Err(Error::Unanswerable(_)) => {
-                let answer = answer.unexplained("no fit with it converges");
-                let last = (origin.fit.clone(), origin.noise.clone(), origin.look.clone());
-                return concluded(model, before, (base, base_noise, first), origin, codes, answer, last);
+                let now = outcome.now.clone();
+                conclude(model, &mut outcome, answer.unexplained("no fit with it converges"), now)?;
+                return Ok(outcome);
             }
             found => found?,
         };
@@ -150,8 +142,7 @@ pub fn search(
             dropped.extend(insignificant);
             if quieter {
                 let fit = Fitter { model, noise: &noise }.refine(&ground.fit.state)?;
-                let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-                ground = Ground { fit, noise, look, codes: ground.codes };
+                ground = Ground { codes: ground.codes, ..searcher.ground(fit, noise)? };
             }
             continue;
         }
@@ -161,41 +152,29 @@ pub fn search(
         } else if !met && !answer.names.is_empty() {
             answer = answer.unexplained("the joint fit does not confirm it");
         }
-        let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
+        let now = searcher.ground(fit, noise)?;
         told("judging each name");
-        return concluded(
-            model,
-            before,
-            (base, base_noise, first),
-            origin,
-            codes,
-            answer,
-            (fit, noise, look),
-        );
+        conclude(model, &mut outcome, answer, now)?;
+        return Ok(outcome);
     }
 }
 
 /// A fit with the codes that the readings show by themselves, which are part of the noise.
-fn with_codes(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher,
-    (fit, noise, look): (Fit, NoiseModel, Look),
-) -> Result<Ground, Error> {
-    let mut codes = lattice::proposals(document, model, &noise, &fit);
+fn with_codes(searcher: &mut Searcher<'_, '_>, base: &Ground) -> Result<Ground, Error> {
+    let model = searcher.model;
+    let mut codes = codes::coarse(model, &base.noise, &base.fit);
     codes.retain(|proposal| searcher.pool.considers(proposal));
     if codes.is_empty() {
-        return Ok(Ground { fit, noise, look, codes });
+        return Ok(base.clone());
     }
-    let mut state = fit.state;
+    let mut state = base.fit.state.clone();
     for proposal in &codes {
         if let Addition::Effect(effect) = &proposal.addition {
             state = model.with_acting(&state, effect.clone(), vec![false; model.observed.runs.len()]);
         }
     }
-    let (fit, noise) = settled(document, model, &state)?;
-    let look = searcher.look(&Fitter { model, noise: &noise }, &fit)?;
-    Ok(Ground { fit, noise, look, codes })
+    let (fit, noise) = settled(model, &state, false)?;
+    Ok(Ground { codes, ..searcher.ground(fit, noise)? })
 }
 
 /// What an answer consists of, whatever its shapes, sizes and moments.
@@ -213,27 +192,23 @@ fn certain(proposal: &Proposal) -> NamedEffect {
         name: proposal.name.clone(),
         additions: vec![proposal.addition.clone()],
         local: proposal.local,
-        p_adjusted: proposal.p,
+        p: proposal.p,
         probability: 1.0,
-        share: 0.0,
-        departure: 0.0,
         gain: proposal.gain,
-        gain_nt2: 0.0,
         held_out: vec![0.0; crate::held_out::FOLDS],
-        equal: Vec::new(),
-        lost: Vec::new(),
+        ..NamedEffect::default()
     }
 }
 
 /// Sets of atoms weighed on the ground of a search, from names that are known on, and what they say.
 pub fn weighed(
-    searcher: &mut Searcher,
-    fitter: &Fitter<'_, '_>,
+    searcher: &mut Searcher<'_, '_>,
     ground: &Ground,
     events: &[Proposal],
     known: &[String],
 ) -> Result<verdict::Answer, Error> {
-    let model = fitter.model;
+    let model = searcher.model;
+    let fitter = &ground.fitter(model);
     let pool = searcher.pool.clone();
     let mut products = searcher.products(fitter).clone();
     let measure = Sizes {
@@ -273,19 +248,18 @@ pub fn weighed(
     let mut sets = Sets::of(&atoms, fitter.noise, products, screen, followed);
     let ranked = sets.search(known);
     let tried = |member: &&Member| {
-        pool.candidates.get(member.atom).is_some_and(|candidate| member.shape < candidate.trials.len())
+        pool.candidates.get(member.atom).is_some_and(|candidate| member.shape < candidate.shapes.len())
     };
     let weighed = ranked.iter().flat_map(|set| &set.members).filter(tried);
     searcher.keep(weighed.map(|member| (member.atom, member.shape)));
-    let mut answer = verdict::answer(&atoms, &sets, &ranked, searcher.level);
+    let mut answer = verdict::answer(&sets, &ranked, searcher.level);
     let named = |member: &&Member| atoms.all[member.atom].is_named();
     let named: Vec<Member> = answer.members.iter().filter(named).cloned().collect();
     let best = answer.members.clone();
     // What stands out of all that was found; and beside the names alone, for structure without a name passes
     // for what happened at a moment.
     let beside = named.len() < best.len();
-    for (whole, members) in [(true, Some(best)), (false, Some(named).filter(|_| beside))] {
-        let Some(members) = members else { continue };
+    for (whole, members) in std::iter::once((true, best)).chain(beside.then_some((false, named))) {
         let white = sets.residual(&members, &ground.fit.white);
         let residual = fitter.in_nt(&white);
         let left = Fit { white, residual, ..ground.fit.clone() };
@@ -327,7 +301,6 @@ fn moved(fitted: &[EffectInstance], known: &mut Vec<EffectInstance>) -> bool {
     any
 }
 
-/// Additions with the effects as they were fitted.
 fn as_fitted(additions: &[Addition], fitted: &[EffectInstance]) -> Vec<Addition> {
     let mut effects = fitted.iter();
     let now = |addition: &Addition| match addition {
@@ -353,7 +326,6 @@ fn in_other_forms(additions: &[Addition]) -> Vec<Vec<Addition>> {
     additions.iter().enumerate().flat_map(with).collect()
 }
 
-/// The shapes of an effect that can be fitted.
 fn shapes(effect: &EffectInstance) -> Vec<f64> {
     let infos = effect.kind.parameters().iter().zip(&effect.parameters);
     infos.filter(|(info, value)| info.is_shape_at(**value)).map(|(_, value)| *value).collect()
@@ -364,7 +336,6 @@ fn has_shape(effect: &EffectInstance) -> bool {
     effect.recording.is_none() && !shapes(effect).is_empty()
 }
 
-/// The names of the effects that have such a shape.
 fn shaped(additions: &[Addition]) -> BTreeSet<String> {
     let of = |addition: &Addition| match addition {
         Addition::Effect(effect) if has_shape(effect) => Some(named(effect)),
@@ -373,8 +344,7 @@ fn shaped(additions: &[Addition]) -> BTreeSet<String> {
     additions.iter().filter_map(of).collect()
 }
 
-/// The ground with additions, at its minimum under the noise of the ground, or on the way where that cannot come to some
-/// sum of squares.
+/// The minimum with additions under the noise of the ground, or on the way where it cannot come to `reach`.
 pub fn beside(
     model: &Model<'_>,
     ground: &Ground,
@@ -383,7 +353,7 @@ pub fn beside(
 ) -> Result<Fit, Error> {
     let from = ground.fit.state.effects.len();
     let state = &model.with_past(with_additions(model, &ground.fit.state, additions), from)?;
-    let fitter = Fitter { model, noise: &ground.noise };
+    let fitter = ground.fitter(model);
     let hides = (state.effects[from..].iter())
         .any(|effect| effect.kind.about().stage == Stage::Converter || !effect.kind.invertible());
     let mut fit =
@@ -395,93 +365,45 @@ pub fn beside(
 }
 
 /// A fit on the ground with the noise that it leaves, where that is not the ground's.
-fn with_noise(
-    document: &Document,
-    model: &Model<'_>,
-    ground: &Ground,
-    fit: Fit,
-) -> Result<(Fit, NoiseModel), Error> {
+fn with_noise(model: &Model<'_>, ground: &Ground, fit: Fit) -> Result<(Fit, NoiseModel), Error> {
     let is_same = ground.noise.known > 0.0
         && ground.codes.is_empty()
-        && !changes_noise(&fit.state, ground.fit.state.effects.len());
-    if is_same { Ok((fit, ground.noise.clone())) } else { settled(document, model, &fit.state) }
+        && fit.state.effects[ground.counts().0..].iter().all(|effect| effect.kind != Kind::Quantisation);
+    if is_same { Ok((fit, ground.noise.clone())) } else { settled(model, &fit.state, false) }
 }
 
-/// Whether an effect that came in is a part of the noise.
-fn changes_noise(state: &State, from: usize) -> bool {
-    state.effects[from..].iter().any(|effect| effect.kind == Kind::Quantisation)
-}
-
-/// The outcome of the last answer: what each name does beside the others.
-fn concluded(
+/// Brings the last answer into an outcome that stands where the search began: what each name does beside the others.
+fn conclude(
     model: &Model<'_>,
-    before: Vec<f64>,
-    (base, base_noise, first): (Fit, NoiseModel, Look),
-    origin: Ground,
-    codes: Vec<NamedEffect>,
+    outcome: &mut Outcome,
     answer: verdict::Answer,
-    (fit, noise, last): (Fit, NoiseModel, Look),
-) -> Result<Outcome, Error> {
-    let verdict::Answer { verdict, names, refused, unnamed, families, .. } = answer;
-    let mut found = codes;
-    let began = (base, base_noise, first);
-    if matches!(verdict, Verdict::Unexplained | Verdict::Agrees) {
-        let verdict = if found.is_empty() { verdict } else { Verdict::PartlyExplained };
-        let Ground { fit, noise, look: last, .. } = origin;
-        let outcome = outcome(before, began, (verdict, found), (fit, noise, last));
-        return Ok(Outcome { refused, unnamed, families, ..outcome });
+    now: Ground,
+) -> Result<(), Error> {
+    outcome.verdict = answer.verdict;
+    (outcome.refused, outcome.unnamed, outcome.families) = (answer.refused, answer.unnamed, answer.families);
+    if matches!(answer.verdict, Verdict::Unexplained | Verdict::Agrees) {
+        if !outcome.found.is_empty() {
+            outcome.verdict = Verdict::PartlyExplained;
+        }
+        return Ok(());
     }
-    let fitter = Fitter { model, noise: &noise };
-    let mut from = origin.counts();
-    let departures = names.iter().map(|name| (&name.additions[..], &name.departs[..]));
-    let added = form_error::added(model, (&fit, &noise), from.0, departures)?;
-    let held_with = fitter.held_out(&fit)?;
-    for name in names {
+    let (fit, fitter) = (&now.fit, now.fitter(model));
+    let mut from = outcome.now.counts();
+    let departures = answer.names.iter().map(|name| (&name.additions[..], &name.departs[..]));
+    let added = form_error::added(model, (fit, &now.noise), from.0, departures)?;
+    let held_with = fitter.held_out(fit)?;
+    for name in answer.names {
         let (state, next) = without(&fit.state, from, &name.additions);
         from = next;
         let rest = fitter.refine(&state)?;
         let held = fitter.held_out(&rest)?.parts.iter().zip(&held_with.parts).map(|(a, b)| a - b).collect();
-        found.push(NamedEffect {
-            name: name.name,
-            additions: name.additions,
-            local: name.local,
-            p_adjusted: name.p,
-            probability: name.probability,
-            share: name.share,
-            departure: name.departure,
+        outcome.found.push(NamedEffect {
             gain: rest.cost - fit.cost,
             gain_nt2: square(&rest.residual) - square(&fit.residual),
             held_out: held,
-            equal: name.equal,
-            lost: name.lost,
+            ..name
         });
     }
-    let fit = fit.widened(&added);
-    let outcome = outcome(before, began, (verdict, found), (fit, noise, last));
-    Ok(Outcome { refused, unnamed, families, ..outcome })
-}
-
-/// An outcome of which nothing else is to be said yet.
-fn outcome(
-    before: Vec<f64>,
-    (base, base_noise, first): (Fit, NoiseModel, Look),
-    (verdict, found): (Verdict, Vec<NamedEffect>),
-    (fit, noise, last): (Fit, NoiseModel, Look),
-) -> Outcome {
-    Outcome {
-        before,
-        base,
-        base_noise,
-        first,
-        found,
-        verdict,
-        refused: Vec::new(),
-        unnamed: Vec::new(),
-        families: Vec::new(),
-        fit,
-        noise,
-        last,
-        notes: Vec::new(),
-        parameters: Vec::new(),
-    }
+    outcome.now = Ground { fit: now.fit.widened(&added), ..now };
+    Ok(())
 }

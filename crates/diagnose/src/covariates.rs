@@ -7,7 +7,6 @@ use physics::{Acts, EffectInstance, Family, Kind, Place};
 use crate::Error;
 use crate::model::{Model, State};
 
-/// The field along a sensor.
 pub const ALONG: &str = "the field along it";
 
 /// What stands before the field whose past something follows.
@@ -57,18 +56,9 @@ pub fn family(covariate: &str) -> Family {
     }
 }
 
-/// What structure follows, as the effect `empirical` has it.
-pub struct Followed<'n> {
-    /// The name of the covariate.
-    pub name: &'n str,
-    /// The column that the effect has it under.
-    pub column: String,
-    /// Whether by how much it is off its own past.
-    pub past: bool,
-}
-
-/// The same of what a sensor follows; None for what the effect does not have.
-pub fn followed(covariate: &str, sensor: Axis) -> Option<Followed<'_>> {
+/// What structure follows, as the effect `empirical` has it: the name of the covariate, the column, and whether by how
+/// much it is off its own past; None for what the effect does not have.
+pub fn followed(covariate: &str, sensor: Axis) -> Option<(&str, String, bool)> {
     let past = covariate.strip_prefix(PAST).or_else(|| covariate.strip_prefix(RATE));
     let name = past.unwrap_or(covariate);
     let own = |name: &str| {
@@ -81,7 +71,7 @@ pub fn followed(covariate: &str, sensor: Axis) -> Option<Followed<'_>> {
         }
     };
     let columns: Option<Vec<String>> = name.split(TIMES).map(own).collect();
-    Some(Followed { name, column: columns?.join("*"), past: past.is_some() })
+    Some((name, columns?.join("*"), past.is_some()))
 }
 
 /// What is known of the Sun.
@@ -97,15 +87,11 @@ pub fn recorded(model: &Model<'_>, effect: &EffectInstance) -> Vec<String> {
     of(effect).into_iter().filter(there).collect()
 }
 
-/// What an effect's contribution follows.
 pub fn of(effect: &EffectInstance) -> Vec<String> {
     let needs = effect.kind.about().needs;
-    let mut names: Vec<String> = needs
-        .iter()
-        .filter(|need| **need != "time_s" && !need.contains([' ', '.']))
-        .map(|need| (*need).to_string())
-        .chain(effect.column.clone())
-        .collect();
+    let columns = needs.iter().filter(|need| **need != "time_s" && !need.contains([' ', '.']));
+    let mut names: Vec<String> =
+        columns.map(|need| (*need).to_string()).chain(effect.column.clone()).collect();
     match (effect.kind, effect.axis) {
         (
             Kind::CrossField | Kind::CrossFieldSensitivity | Kind::AxisTemperature | Kind::AxisCreep,
@@ -171,7 +157,6 @@ pub fn values(
     }
 }
 
-/// Whether an effect acts on coils.
 pub fn on_coil(effect: &EffectInstance) -> bool {
     effect.kind.about().acts == Acts::OneCoil
 }

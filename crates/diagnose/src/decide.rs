@@ -16,16 +16,14 @@ pub const STEPS_BEYOND: usize = 2;
 /// How far an effect may be off its equation, as a share of its size. The catalogue's forms are good to some
 /// per cent, and sealed cases hold up to a fifth.
 pub const FORM: [f64; 3] = [0.02, 0.06, 0.2];
-/// Share of an effect's energy that its departure from its form may have. Larger: wrong names whose form does
-/// the work.
+/// Share of an effect's energy that may depart from its form. Larger: wrong names whose form does the work.
 pub const FORM_ENERGY: f64 = 0.15;
 /// Temperature of the weights of sets: evidence counts half, for true forms are in no dictionary. Smaller:
 /// probabilities that are too sure.
 pub const TEMPERATURE: f64 = 2.0;
 /// Probability from which one name is given.
 pub const SURE: f64 = 0.9;
-/// Log odds against structure without a name beforehand. Larger: wrong names for physics outside the
-/// catalogue.
+/// Prior log odds against structure without a name. Larger: wrong names for physics outside the catalogue.
 pub const NAMELESS: f64 = 5.0;
 /// Relative standard uncertainty of the size of declared noise, where the document does not state one
 /// (`relative_std`). Larger: more scatter beyond a declaration passes for noise. Concealed recordings have

@@ -1,6 +1,6 @@
 //! Structure without a name, adopted as such where it predicts readings that were left out.
 
-use common::{AdoptedStructure, Axis, Document, Verdict};
+use common::{AdoptedStructure, Axis, Verdict};
 use estimate::gauss_newton::{Directions, Linear};
 use faer::Mat;
 use nalgebra::Vector3;
@@ -9,13 +9,12 @@ use physics::{EffectInstance, Kind};
 use crate::Error;
 use crate::Outcome;
 use crate::algebra::square;
-use crate::covariates::{self, Followed, TIMES};
+use crate::covariates::{self, TIMES};
 use crate::fit::{Fit, Fitter, settled_white};
-use crate::generic::{self, mean_step_s};
+use crate::generic;
 use crate::model::Model;
 use crate::search::{Searcher, Structure};
-use crate::waves::range;
-use crate::what::What;
+use crate::waves::{mean_step_s, range};
 
 /// Most structures that are adopted, and that are tried.
 const MOST: usize = 6;
@@ -26,37 +25,32 @@ const LOWERS: f64 = 0.01;
 /// Adds to the final fit of an answer that leaves something what is left in it, one structure after another, each
 /// the most significant that lowers the rms of readings that are left out, and that of all. Noise that nobody declared
 /// is white here: with memory it takes all that is slow for itself.
-pub fn adopt(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher,
-    outcome: &mut Outcome,
-) -> Result<Vec<AdoptedStructure>, Error> {
+pub fn adopt(searcher: &mut Searcher<'_, '_>, outcome: &mut Outcome) -> Result<Vec<AdoptedStructure>, Error> {
+    let model = searcher.model;
     if !matches!(outcome.verdict, Verdict::PartlyExplained | Verdict::Unexplained) {
         return Ok(Vec::new());
     }
-    let slow = (0..model.observed.channels.len()).any(|channel| outcome.noise.remembers(channel));
-    let mut noise = outcome.noise.clone();
-    let mut best = (outcome.fit.clone(), outcome.last.clone());
-    if noise.known == 0.0 && slow {
-        let (fit, white) = settled_white(document, model, &outcome.fit.state)?;
-        let look = searcher.look(&Fitter { model, noise: &white }, &fit)?;
-        (noise, best) = (white, (fit, look));
+    let slow = (0..model.observed.channels.len()).any(|channel| outcome.now.noise.remembers(channel));
+    let mut best = outcome.now.clone();
+    if best.noise.known == 0.0 && slow {
+        let (fit, white) = settled_white(model, &best.fit.state)?;
+        best = searcher.ground(fit, white)?;
     }
+    let noise = best.noise.clone();
     let fitter = Fitter { model, noise: &noise };
-    let fields = covariates::fields(model, &outcome.fit.state)?;
+    let fields = covariates::fields(model, &outcome.now.fit.state)?;
     let (mut adopted, mut tried) = (Vec::new(), Vec::new());
-    let mut before = left_out(&fitter, &best.0)?;
+    let mut before = left_out(&fitter, &best.fit)?;
     while adopted.len() < MOST && tried.len() < TRIED {
-        let mut groups = best.1.structures.iter().filter_map(|structure| form(model, &fields, structure));
+        let mut groups = best.look.structures.iter().filter_map(|structure| form(model, &fields, structure));
         let Some(group) = groups.find(|group| !tried.contains(&what(&group[0]))) else { break };
         tried.push(what(&group[0]));
-        let mut fit = best.0.clone();
+        let mut fit = best.fit.clone();
         for effect in &group {
             fit = fitted(&fitter, &fit, effect)?;
         }
         let after = left_out(&fitter, &fit)?;
-        if after > (1.0 - LOWERS) * before || square(&fit.residual) > square(&best.0.residual) {
+        if after > (1.0 - LOWERS) * before || square(&fit.residual) > square(&best.fit.residual) {
             continue;
         }
         adopted.push(AdoptedStructure {
@@ -66,12 +60,10 @@ pub fn adopt(
             held_out_after_nt: after,
         });
         before = after;
-        let look = searcher.look(&fitter, &fit)?;
-        best = (fit, look);
+        best = searcher.ground(fit, noise.clone())?;
     }
     if !adopted.is_empty() {
-        (outcome.fit, outcome.last) = best;
-        outcome.noise = noise;
+        outcome.now = best;
     }
     Ok(adopted)
 }
@@ -81,8 +73,7 @@ fn what(effect: &EffectInstance) -> (Option<String>, f64) {
     (effect.column.clone(), effect.parameters[2])
 }
 
-/// A fit with structure added: its coefficients by least squares, all else held. What has no physics says nothing
-/// of the calibration.
+/// A fit with structure added, all else held: what has no physics says nothing of the calibration.
 fn fitted(fitter: &Fitter<'_, '_>, fit: &Fit, effect: &EffectInstance) -> Result<Fit, Error> {
     let mut state = fitter.model.with(&fit.state, effect.clone());
     let from = fit.state.effects.len();
@@ -111,12 +102,10 @@ fn form(
     fields: &[Vec<Vector3<f64>>],
     structure: &Structure,
 ) -> Option<Vec<EffectInstance>> {
-    let What::Smooth { covariate, axis } = &structure.what else { return None };
+    let Structure { covariate, axis, .. } = structure;
     let names = covariate.split(TIMES).filter(|name| *name != covariate);
-    let all = [covariate.as_str()]
-        .into_iter()
-        .chain(names)
-        .map(|name| one(model, fields, (name, *axis), structure.shape));
+    let all = std::iter::once(covariate.as_str()).chain(names);
+    let all = all.map(|name| one(model, fields, (name, *axis), structure.shape));
     Some(all.collect::<Option<Vec<_>>>()?.concat()).filter(|group| !group.is_empty())
 }
 
@@ -127,7 +116,7 @@ fn one(
     (covariate, axis): (&str, Axis),
     shape: Option<f64>,
 ) -> Option<Vec<EffectInstance>> {
-    let Followed { name, column, past } = covariates::followed(covariate, axis)?;
+    let (name, column, past) = covariates::followed(covariate, axis)?;
     let runs = &model.observed.runs;
     let step_s = runs.iter().find_map(|run| run.time_s.map(mean_step_s));
     let lag_s = if past { shape? * step_s? } else { 0.0 };

@@ -3,12 +3,10 @@
 //! Matched filters go over all rows by Fourier transform, with the noise's response as it is in the middle of
 //! a recording; what they find is then held against the residual exactly.
 
-mod fitted;
 mod freeze;
 mod pass;
 mod settle;
 
-pub use fitted::fitted;
 pub use settle::settled_in_time;
 
 use common::Axis;
@@ -23,14 +21,13 @@ use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::model::Single;
+use crate::model::named;
 use crate::proposal::{Addition, Proposal};
-use crate::what::named;
 
 /// Jumps are no more than this share of the rows.
 const RARE: f64 = 0.05;
 
-/// Single readings are looked at together with the strongest from this share of its gain on, and no more of
-/// them than that.
+/// Single readings are looked at beside the strongest from this share of its gain on, so many at most.
 const AS_STRONG: f64 = 0.1;
 const MOST_SINGLES: usize = 60;
 /// Rows to either side of a single reading that belong to it.
@@ -160,8 +157,7 @@ fn isolated(mut all: Vec<Best>, strongest: Best) -> Vec<Best> {
     kept
 }
 
-/// Rows beside which what effects add jumps, far more than elsewhere in the channel: a reading there tells
-/// the moment of the jump.
+/// Rows beside which effects jump, far more than elsewhere in the channel: a reading there tells the moment.
 fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> {
     let mut found = vec![false; fitter.model.observed.rows];
     let mut without = fit.state.clone();
@@ -185,10 +181,7 @@ fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> 
 /// Channels of the same sensor in earlier and in later recordings.
 fn of_same_sensor(fitter: &Fitter<'_, '_>, number: usize) -> [Vec<usize>; 2] {
     let observed = &fitter.model.observed;
-    let begins = |channel: &Channel| {
-        let run = &observed.runs[channel.run];
-        run.time_s.and_then(|time| time.first()).map(|first| first + run.setting.context.clock_s)
-    };
+    let begins = |channel: &Channel| observed.runs[channel.run].on_clock()?.first().copied();
     let own = &observed.channels[number];
     let all = observed.channels.iter().enumerate().filter(|(_, other)| other.reader == own.reader);
     [Ordering::Less, Ordering::Greater].map(|side| {
@@ -242,14 +235,11 @@ fn moment(
     if kind == Kind::Spike && fit.state.effects.iter().any(coarse) {
         return Ok(None);
     }
+    let later = if alone { "" } else { " and later" };
     let name = match &mut addition {
         Addition::Effect(effect) => {
             effect.parameters[0] = height;
-            if alone {
-                format!("{} in \"{}\"", named(effect), run.recording.id)
-            } else {
-                format!("{} in \"{}\" and later", named(effect), run.recording.id)
-            }
+            format!("{} in \"{}\"{later}", named(effect), run.recording.id)
         }
         Addition::Single(single) => {
             single.height_nt = height;
@@ -266,7 +256,6 @@ fn moment(
         (Addition::Effect(effect), Some(_))
             if matches!(channel.reader, Reader::Sensor(_)) && best.row > 0 =>
         {
-            let later = if alone { "" } else { " and later" };
             Some(format!("step at {} s in \"{}\"{later}", effect.parameters[1], run.recording.id))
         }
         _ => None,

@@ -31,7 +31,6 @@ pub struct Given<'s> {
     log_determinant: f64,
 }
 
-/// What a further group of terms does.
 #[derive(Clone, Copy, Debug)]
 pub struct Further {
     /// ln |…| of the group.
@@ -44,23 +43,16 @@ pub struct Further {
 fn cholesky(size: usize, value: impl Fn(usize, usize) -> f64) -> Option<Vec<Vec<f64>>> {
     let mut factor: Vec<Vec<f64>> = Vec::with_capacity(size);
     for i in 0..size {
-        let mut row = vec![0.0; i + 1];
-        for j in 0..=i {
-            let done: f64 = if j == i {
-                row[..j].iter().map(|a| a * a).sum()
-            } else {
-                row[..j].iter().zip(&factor[j][..j]).map(|(a, b)| a * b).sum()
-            };
-            let rest = value(i, j) - done;
-            if j == i {
-                if !(rest > 0.0 && rest.is_finite()) {
-                    return None;
-                }
-                row[j] = rest.sqrt();
-            } else {
-                row[j] = rest / factor[j][j];
-            }
+        let mut row: Vec<f64> = Vec::with_capacity(i + 1);
+        for (j, earlier) in factor.iter().enumerate() {
+            let done: f64 = row.iter().zip(earlier).map(|(a, b)| a * b).sum();
+            row.push((value(i, j) - done) / earlier[j]);
         }
+        let rest = value(i, i) - row.iter().map(|a| a * a).sum::<f64>();
+        if !(rest > 0.0 && rest.is_finite()) {
+            return None;
+        }
+        row.push(rest.sqrt());
         factor.push(row);
     }
     Some(factor)
@@ -130,11 +122,9 @@ impl<'s> Given<'s> {
         let last = self.screen.columns();
         let within: Vec<Vec<f64>> = columns.iter().map(|column| self.within(*column)).collect();
         let dot = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
-        let row = |i: usize| {
-            (0..=i)
-                .map(|j| self.screen.product(columns[i], columns[j]) - dot(&within[i], &within[j]))
-                .collect()
-        };
+        let left =
+            |i: usize, j: usize| self.screen.product(columns[i], columns[j]) - dot(&within[i], &within[j]);
+        let row = |i: usize| (0..=i).map(|j| left(i, j)).collect();
         let along = |i: usize| self.screen.product(columns[i], last) - dot(&within[i], &self.residual);
         Block {
             products: (0..columns.len()).map(row).collect(),
@@ -176,7 +166,6 @@ impl Block {
         Some(Further { log_determinant: log_determinant(&factor), gain })
     }
 
-    /// Their most probable coefficients.
     pub fn coefficients(&self, deviations: &[f64]) -> Option<Vec<f64>> {
         let (factor, solved) = self.solved(deviations)?;
         let scaled = backward(&factor, &solved);
@@ -210,8 +199,7 @@ mod tests {
         Rest { sum_of_squares: screen.sum_of_squares(), freedom: 12.0, known }
     }
 
-    /// ∫∫ exp(−½ |y − X c|²) N(c; 0, V) dc over exp(−½ |y|²), by the trapezoidal rule, which is exact to
-    /// rounding for such integrands.
+    /// ∫∫ exp(−½ |y − X c|²) N(c; 0, V) dc over exp(−½ |y|²), by the trapezoidal rule, exact to rounding here.
     #[test]
     fn the_marginal_likelihood_is_the_integral() {
         let (rows, screen) = screen();
@@ -238,8 +226,7 @@ mod tests {
         assert!((found - expected).abs() < 1e-9, "{found} for {expected}");
     }
 
-    /// Terms that come in later say what they say together, their coefficients included; and Student's form
-    /// tends to the normal one.
+    /// Terms that come in later say what they say together; and Student's form tends to the normal one.
     #[test]
     fn further_terms_are_those_of_the_whole() {
         let (_, screen) = screen();

@@ -16,9 +16,8 @@ use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
 use crate::stacked::Stacked;
-use crate::verdict::Alternative;
 use crate::whitening::NoiseModel;
-use crate::{Error, Outcome};
+use crate::{Alternative, Error, Outcome};
 use variants::{Variant, is_reading, variants};
 
 /// Experiments that are told of each open question.
@@ -29,16 +28,13 @@ const LEAST: f64 = 3.0;
 const ROWS: usize = 400;
 
 /// The experiments for each name that stands beside others, the best first, with its plan.
-pub fn experiments(
-    document: &Document,
-    model: &Model<'_>,
-    outcome: &Outcome,
-) -> Result<Vec<Experiment>, Error> {
+pub fn experiments(model: &Model<'_>, outcome: &Outcome) -> Result<Vec<Experiment>, Error> {
     let mut all = Vec::new();
+    let document = model.observed.document;
     let mut bare = document.clone();
     (bare.recordings, bare.diagnosis, bare.history) = (Vec::new(), None, Vec::new());
-    if outcome.noise.known == 0.0 {
-        let noise = Noise { white_rms_nt: Some(outcome.noise.variance().sqrt()), ..Noise::default() };
+    if outcome.now.noise.known == 0.0 {
+        let noise = Noise { white_rms_nt: Some(outcome.now.noise.variance().sqrt()), ..Noise::default() };
         bare.instrument.get_or_insert_default().noise = Some(NoiseOfSensors::Same(noise));
     }
     for found in outcome.found.iter().filter(|found| !found.equal.is_empty()) {
@@ -65,9 +61,8 @@ pub fn experiments(
     Ok(all)
 }
 
-/// The recording in which a name does most.
 fn most_affected(model: &Model<'_>, outcome: &Outcome, name: &Alternative) -> Result<Option<usize>, Error> {
-    let state = &outcome.base.state;
+    let state = &outcome.base.fit.state;
     let does = model.change(state, &with_additions(model, state, &name.additions))?;
     let of = |run: usize| -> f64 {
         model.observed.channels_of(run).map(|channel| square(&does[channel.range()])).sum()
@@ -92,9 +87,9 @@ fn decides(bare: &Document, variant: &Variant, names: &[Alternative]) -> Result<
     let document = Document { recordings: vec![variant.recording.clone()], ..bare.clone() };
     // What cannot be predicted there decides nothing.
     let Ok(observed) = Observed::of(&document) else { return Ok(0.0) };
-    let (model, state) = Model::of(&document, observed)?;
+    let (model, state) = Model::of(observed)?;
     let zeros = vec![0.0; model.observed.rows];
-    let noise = NoiseModel::of(&document, &model.observed, &state, &zeros)?;
+    let noise = NoiseModel::of(&model.observed, &state, &zeros)?;
     let base = noise.whiten_all(&model.observed, &model.base_columns(&state)?);
     let mut predicted = Vec::new();
     for name in names {
@@ -153,12 +148,8 @@ fn unexplained(fitter: &Fitter<'_, '_>, series: &[f64], columns: &[Vec<f64>]) ->
 /// A plan of one recording for `simulate campaign`: what the document states, and the columns that are set.
 fn plan(document: &Document, variant: &Variant) -> Value {
     let recording = &variant.recording;
-    let columns: common::Columns = recording
-        .columns
-        .iter()
-        .filter(|(name, _)| !is_reading(name))
-        .map(|(n, c)| (n.clone(), c.clone()))
-        .collect();
+    let mut columns = recording.columns.clone();
+    columns.retain(|name, _| !is_reading(name));
     let mut plan = json!({
         "fluxcal": 1,
         "title": variant.words,

@@ -1,17 +1,16 @@
 //! The minimum over base model, effects and columns together, in whitened space.
 
-use common::Document;
 use estimate::gauss_newton::{Control, Damping, Descent, Directions, Minimum, Tolerance};
 use estimate::screen::{Gain, Screen};
 use faer::Mat;
-use physics::EffectInstance;
+use physics::{EffectInstance, Parameter};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 use crate::Error;
 use crate::algebra::{columns, square};
 use crate::channel::Channel;
-use crate::model::{Model, State};
+use crate::model::{Model, State, amplitudes};
 use crate::whitening::{NoiseModel, neighbours_std};
 
 /// The iteration. It begins damped: where a field hardly changes, whole steps along directions that hardly
@@ -36,12 +35,9 @@ const BLOCK: usize = 16_384;
 /// What the noise is taken from need not stand at its minimum to a hundredth of its standard deviation.
 const ROUGH: Control = Control { tolerance: 0.3, ..ITERATION };
 
-/// A fit at its minimum.
 #[derive(Clone, Debug)]
 pub struct Fit {
-    /// Where it stands.
     pub state: State,
-    /// Residual, nT.
     pub residual: Vec<f64>,
     /// The same whitened, the rows of prior knowledge behind it.
     pub white: Vec<f64>,
@@ -49,10 +45,8 @@ pub struct Fit {
     pub jacobian: Arc<Mat<f64>>,
     /// Covariance of the unknowns if the noise is as told; infinite variances for what is not determined.
     pub covariance: Mat<f64>,
-    /// What comes on top of the readings' own errors in that: what forms leave, and by how much two ways to
-    /// fit are apart.
+    /// What is beyond the readings' own errors in that: of forms, and by how much two ways to fit are apart.
     pub beyond: Mat<f64>,
-    /// Rank.
     pub rank: usize,
     /// Σ of the squared whitened residuals.
     pub cost: f64,
@@ -61,9 +55,7 @@ pub struct Fit {
 /// Recordings, noise and how rows are left out.
 #[derive(Debug)]
 pub struct Fitter<'a, 'b> {
-    /// The model.
     pub model: &'b Model<'a>,
-    /// The noise.
     pub noise: &'b NoiseModel,
 }
 
@@ -81,8 +73,7 @@ impl Fitter<'_, '_> {
         Ok(self.noise.whiten_all(&self.model.observed, &self.model.base_columns(state)?))
     }
 
-    /// Whitened derivatives at a state, with the rows of prior knowledge, those by the unknowns of the base
-    /// model given.
+    /// Whitened derivatives at a state with the rows of prior knowledge, those of the base model given.
     fn jacobian<'c>(&self, state: &State, base: impl Iterator<Item = &'c [f64]>) -> Result<Mat<f64>, Error> {
         let others = self.noise.whiten_all(&self.model.observed, &self.model.other_columns(state)?);
         let mut columns: Vec<&[f64]> = base.collect();
@@ -113,8 +104,7 @@ impl Fitter<'_, '_> {
         self.model.observed.channels.iter().map(of).fold(0.0, f64::max)
     }
 
-    /// The minimum from a state: the calibration's turns and scales leave directions that hardly show, along
-    /// which a whole step goes too far.
+    /// The minimum from a state, damped: along directions that hardly show a whole step goes too far.
     pub fn refine(&self, start: &State) -> Result<Fit, Error> {
         self.minimum(start, None, &ITERATION)
     }
@@ -137,7 +127,6 @@ impl Fitter<'_, '_> {
         self.with_covariance(at, linear.of)
     }
 
-    /// The columns of the unknowns of the base model.
     fn base_of<'c>(&self, jacobian: &'c Mat<f64>) -> impl Iterator<Item = &'c [f64]> {
         let rows = self.model.observed.rows;
         columns(jacobian).take(self.model.unknowns.len()).map(move |column| &column[..rows])
@@ -176,20 +165,25 @@ impl Fitter<'_, '_> {
         Ok(2.0 * along - square(&white))
     }
 
-    /// Columns (nT, stacked) beside what a fit has left, the fit's own derivatives projected out, and where
-    /// they begin.
-    pub fn screen_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<(Screen, usize), Error> {
+    /// What all of some columns (nT, stacked) gain together, a fit's own derivatives projected out.
+    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
         let white = self.noise.whiten_all(&self.model.observed, columns);
         let base = fit.jacobian.ncols();
-        let first: Vec<usize> = (0..base).collect();
-        Ok((self.screen(&fit.jacobian, &white, &fit.white).given(&first)?, base))
+        let [own, group] = [0..base, base..base + columns.len()].map(Vec::from_iter);
+        Ok(self.screen(&fit.jacobian, &white, &fit.white).given(&own)?.gain(&group)?)
     }
 
-    /// What all of some columns gain together.
-    pub fn gain_of(&self, fit: &Fit, columns: &[Vec<f64>]) -> Result<Gain, Error> {
-        let (screen, base) = self.screen_of(fit, columns)?;
-        let group: Vec<usize> = (base..base + columns.len()).collect();
-        Ok(screen.gain(&group)?)
+    /// An effect with its amplitudes fitted to what a fit has left, what that gains, and its rank.
+    pub fn sized(&self, fit: &Fit, effect: &EffectInstance) -> Result<(EffectInstance, f64, usize), Error> {
+        let with = self.model.with(&fit.state, effect.clone());
+        let (number, amplitudes) = (with.effects.len() - 1, amplitudes(effect.kind));
+        let parameters: Vec<Parameter> = amplitudes.iter().map(|k| Parameter::Effect(number, *k)).collect();
+        let gain = self.gain_of(fit, &self.model.derivatives(&with, &parameters)?)?;
+        let mut effect = effect.clone();
+        for (at, value) in amplitudes.into_iter().zip(gain.coefficients) {
+            effect.parameters[at] = value;
+        }
+        Ok((effect, gain.gain, gain.rank))
     }
 
     /// Whitened derivatives, further whitened columns, which prior knowledge does not touch, and residual:
@@ -273,70 +267,40 @@ const ESTIMATED: f64 = 0.02;
 
 /// The fit and the noise it rests on: where the noise is not declared, both in turn, from a fit that takes it
 /// as white. (Of the residual of a calibration that is far off, most would pass for slow noise.)
-pub fn settled(document: &Document, model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
-    settled_by(document, model, start, &ITERATION)
-}
-
-/// The same from a state that is near the minimum.
-pub fn settled_near(
-    document: &Document,
-    model: &Model<'_>,
-    start: &State,
-) -> Result<(Fit, NoiseModel), Error> {
-    let damping = Damping { first: LIGHTEST, ..ITERATION.damping };
-    settled_by(document, model, start, &Control { damping, ..ITERATION })
-}
-
-fn settled_by(
-    document: &Document,
-    model: &Model<'_>,
-    start: &State,
-    control: &Control,
-) -> Result<(Fit, NoiseModel), Error> {
+pub fn settled(model: &Model<'_>, start: &State, is_near: bool) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = NoiseModel::of(document, &model.observed, start, &residual)?;
-    let fit = Fitter { model, noise: &first }.minimum(start, None, control)?;
+    let first = NoiseModel::of(&model.observed, start, &residual)?;
+    let first_damping = if is_near { LIGHTEST } else { ITERATION.damping.first };
+    let damping = Damping { first: first_damping, ..ITERATION.damping };
+    let fit = Fitter { model, noise: &first }.minimum(start, None, &Control { damping, ..ITERATION })?;
     if first.known > 0.0 {
         return Ok((fit, first));
     }
-    let (fit, _) = estimated(document, model, (fit, first))?;
-    let noise = restricted(document, model, &fit.state, &fit.residual)?;
+    let (fit, _) = estimated(model, (fit, first))?;
+    let noise = restricted(model, &fit.state, &fit.residual)?;
     Ok((Fitter { model, noise: &noise }.refine(&fit.state)?, noise))
 }
 
 /// Noise with memory of a residual beside all that a state has unknown.
-pub fn restricted(
-    document: &Document,
-    model: &Model<'_>,
-    state: &State,
-    residual: &[f64],
-) -> Result<NoiseModel, Error> {
+pub fn restricted(model: &Model<'_>, state: &State, residual: &[f64]) -> Result<NoiseModel, Error> {
     let columns = [model.base_columns(state)?, model.other_columns(state)?].concat();
-    NoiseModel::restricted(document, &model.observed, &columns, residual)
+    NoiseModel::restricted(&model.observed, &columns, residual)
 }
 
 /// The fit by least squares: under white noise of the size that it leaves.
-pub fn settled_white(
-    document: &Document,
-    model: &Model<'_>,
-    start: &State,
-) -> Result<(Fit, NoiseModel), Error> {
+pub fn settled_white(model: &Model<'_>, start: &State) -> Result<(Fit, NoiseModel), Error> {
     let residual = model.residual(start)?;
-    let first = NoiseModel::estimated(document, &model.observed, &residual)?;
+    let first = NoiseModel::estimated(&model.observed, &residual)?;
     let fit = Fitter { model, noise: &first }.refine(start)?;
-    let (fit, noise) = estimated(document, model, (fit, first))?;
+    let (fit, noise) = estimated(model, (fit, first))?;
     Ok((Fitter { model, noise: &noise }.refine(&fit.state)?, noise))
 }
 
 /// A rough fit and its white noise, estimated anew in turn until its size stays.
-fn estimated(
-    document: &Document,
-    model: &Model<'_>,
-    (mut fit, mut noise): (Fit, NoiseModel),
-) -> Result<(Fit, NoiseModel), Error> {
+fn estimated(model: &Model<'_>, (mut fit, mut noise): (Fit, NoiseModel)) -> Result<(Fit, NoiseModel), Error> {
     for _ in 0..ESTIMATES {
         let before = noise.variance();
-        noise = NoiseModel::estimated(document, &model.observed, &fit.residual)?;
+        noise = NoiseModel::estimated(&model.observed, &fit.residual)?;
         fit = Fitter { model, noise: &noise }.minimum(&fit.state, None, &ROUGH)?;
         if (noise.variance() / before - 1.0).abs() < ESTIMATED {
             break;

@@ -5,11 +5,13 @@ use common::Axis;
 use physics::EffectInstance;
 
 use crate::Error;
-use crate::atoms::{Atom, Atoms, Shape, Thing, of_one_sensor};
+use crate::atoms::{Atom, Atoms, of_one_sensor};
+use crate::candidates::Shape;
 use crate::channel::Channel;
 use crate::covariates::{self, ALONG};
 use crate::decide::FORM;
 use crate::model::{self, Model};
+use crate::proposal::What;
 use crate::stacked::Stacked;
 use crate::waves::{half_waves, place, range};
 
@@ -47,7 +49,6 @@ pub struct Followed<'m, 'a> {
 }
 
 impl<'m, 'a> Followed<'m, 'a> {
-    /// Of a state's basic model.
     pub fn of(model: &'m Model<'a>, state: &crate::model::State) -> Result<Self, Error> {
         Ok(Self { model, fields: covariates::fields(model, state)?, span: model.observed.span() })
     }
@@ -61,22 +62,16 @@ impl<'m, 'a> Followed<'m, 'a> {
         coefficients: &[f64],
         orders: usize,
     ) -> Form {
-        if !atom.is_named() || atom.is_event() {
-            return Form::default();
-        }
+        let What::Physics(effect) = &atom.what else { return Form::default() };
         let of = |shape: usize| {
             let columns = atom.shapes[shape].columns.iter().map(|column| atoms.column(*column));
             Stacked::sum(&columns.zip(coefficients.iter().copied()).collect::<Vec<_>>())
         };
-        let own = of(shape);
-        let mut form = Form::default();
-        if let Thing::Effect(effect) = &atom.thing {
-            form.departures = self.departures(effect, &own, orders);
-        }
-        let fitted = &atom.shapes[shape];
-        if let Thing::Effect(effect) = &atom.thing {
-            form.neighbours = self.before(&own, time_constant_s(effect, fitted));
-        }
+        let (own, fitted) = (of(shape), &atom.shapes[shape]);
+        let mut form = Form {
+            departures: self.departures(effect, &own, orders),
+            neighbours: self.before(&own, time_constant_s(effect, fitted)),
+        };
         if fitted.is_fitted() {
             form.neighbours.extend(fitted.by_shape.iter().map(|column| atoms.column(*column).clone()));
             return form;

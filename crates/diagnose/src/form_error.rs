@@ -23,7 +23,7 @@ use crate::algebra::{columns as columns_of, inverse, left, orthonormal, square};
 use crate::decide::FORM;
 use crate::fit::Fit;
 use crate::form::{Followed, orders};
-use crate::model::{Model, State};
+use crate::model::{Model, State, amplitudes};
 use crate::proposal::Addition;
 use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
@@ -88,13 +88,12 @@ pub fn added<'n>(
     beyond(fit, &noise.whiten_all(&model.observed, &dense), &shares)
 }
 
-/// The state of a fit with the time constant of an effect longer and shorter: a real relaxation is a mixture
-/// of several.
+/// The state with an effect's time constant longer and shorter: a real relaxation is a mixture of several.
 fn mixture(fit: &Fit, number: usize) -> Vec<State> {
     let effect = &fit.state.effects[number];
     let infos = effect.kind.parameters();
-    let sized = infos.iter().any(|info| info.role == Role::Amplitude);
     let constant = infos.iter().position(|info| info.role == Role::Shape && info.name.ends_with("_s"));
+    let sized = !amplitudes(effect.kind).is_empty();
     let Some(constant) = constant.filter(|_| sized) else { return Vec::new() };
     let with = |factor: f64| {
         let mut state = fit.state.clone();
@@ -109,19 +108,11 @@ fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<
     let (unknowns, count) = (fit.jacobian.ncols(), departures.len());
     // What nothing determines takes no part in it.
     let known = |k: usize| fit.covariance[(k, k)].is_finite();
-    let covariance =
-        DMatrix::from_fn(
-            unknowns,
-            unknowns,
-            |i, j| {
-                if known(i) && known(j) { fit.covariance[(i, j)] } else { 0.0 }
-            },
-        );
-    let scaled: Vec<Vec<f64>> = departures
-        .iter()
-        .zip(deviations)
-        .map(|(column, std)| column.iter().map(|value| value * std).collect())
-        .collect();
+    let covariance = |i: usize, j: usize| if known(i) && known(j) { fit.covariance[(i, j)] } else { 0.0 };
+    let covariance = DMatrix::from_fn(unknowns, unknowns, covariance);
+    let scaled = departures.iter().zip(deviations);
+    let scaled: Vec<Vec<f64>> =
+        scaled.map(|(column, std)| column.iter().map(|value| value * std).collect()).collect();
     let along = DMatrix::from_fn(unknowns, count, |i, j| dot(fit.jacobian.col_as_slice(i), &scaled[j]));
     let moved = &covariance * &along;
     let basis = orthonormal(&fit.jacobian)?;
@@ -144,8 +135,7 @@ fn beyond(fit: &Fit, departures: &[Vec<f64>], deviations: &[f64]) -> Result<Mat<
 mod tests {
     use super::*;
 
-    /// A line through the origin, of rows that may curve: the variance of its slope with the curve's
-    /// posterior variance, by hand.
+    /// A line through the origin whose rows may curve: the variance of its slope by hand.
     #[test]
     fn a_departure_adds_the_variance_of_the_bias_that_it_makes() {
         let rows = 40;
@@ -156,13 +146,7 @@ mod tests {
         let std = 3.0;
         // The residual is zero, so that the posterior mean of the curve is zero too.
         let fit = Fit {
-            state: crate::model::State {
-                base: Vec::new(),
-                effects: Vec::new(),
-                acts: Vec::new(),
-                singles: Vec::new(),
-                past: Vec::new(),
-            },
+            state: State::default(),
             residual: vec![0.0; rows],
             white: vec![0.0; rows],
             covariance: Mat::from_fn(1, 1, |_, _| 1.0 / energy),

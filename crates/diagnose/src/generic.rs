@@ -6,14 +6,15 @@ use physics::Kind;
 use physics::memory::{Before, Signal};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 
 use crate::Error;
 use crate::channel::{Channel, Reader, Run};
 use crate::covariates::{ALONG, LOAD, PAST, RATE, TIMES, WITH_TIME, across, fields, values};
 use crate::model::{Model, State};
+use crate::proposal::What;
 use crate::stacked::Stacked;
-use crate::waves::{half_waves, polynomial, range};
-use crate::what::What;
+use crate::waves::{half_waves, mean_step_s, polynomial, range};
 
 /// Half waves over the span of time.
 const WAVES: usize = 16;
@@ -39,11 +40,11 @@ const KNOWN: [&str; 8] = [
     "position_m",
 ];
 
-/// A series in each recording that has it.
 pub type Series = [Option<Vec<f64>>];
-
 /// A candidate with the columns of its shapes.
 type Generic = (What, Vec<(Option<f64>, Vec<Stacked>)>);
+/// A function of a value and of how much that is off its own past.
+type Form = fn(f64, f64) -> f64;
 
 /// All of them, or those of some names.
 pub fn all(
@@ -53,183 +54,9 @@ pub fn all(
 ) -> Result<Vec<Generic>, Error> {
     let fields = fields(model, state)?;
     let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| model.reads(*axis)).collect();
-    let found: Vec<Vec<Generic>> =
-        axes.into_par_iter().map(|axis| of_sensor(model, axis, &fields, names)).collect();
+    let of = |axis: Axis| Sensor { model, axis, fields: &fields }.all(names);
+    let found: Vec<Vec<Generic>> = axes.into_par_iter().map(of).collect();
     Ok(found.concat())
-}
-
-/// Those of one sensor.
-fn of_sensor(
-    model: &Model<'_>,
-    axis: Axis,
-    fields: &[Vec<Vector3<f64>>],
-    names: Option<&BTreeSet<String>>,
-) -> Vec<Generic> {
-    let name = |covariate: &str| What::Smooth { covariate: covariate.into(), axis }.name();
-    let is_kept = |covariate: &str| names.is_none_or(|names| names.contains(&name(covariate)));
-    // What is kept, and the factors of products that are.
-    let factors: BTreeSet<String> =
-        names.into_iter().flatten().flat_map(|one| one.split(TIMES).map(str::to_string)).collect();
-    let is_needed = |covariate: &str| {
-        is_kept(covariate) || factors.contains(covariate) || factors.contains(&name(covariate))
-    };
-    let mut all: Vec<Generic> = Vec::new();
-    let span = model.observed.span();
-    if let Some(span) = span.filter(|_| is_needed("time_s")) {
-        let waves = (1..=WAVES)
-            .map(|k| {
-                stack(model, axis, |run, channel| {
-                    let at = |row: &usize| half_waves(k, run, *row, span).unwrap_or(0.0);
-                    channel.rows.iter().map(at).collect()
-                })
-            })
-            .collect();
-        all.push((What::Smooth { covariate: "time_s".into(), axis }, vec![(None, waves)]));
-    }
-    let untimed = |run: &Run<'_>| run.time_s.is_none() && run.setting.context.rows >= ROWS;
-    if is_needed("row") && model.observed.runs.iter().any(untimed) {
-        let waves = (1..=WAVES)
-            .map(|k| {
-                stack(model, axis, |run, channel| {
-                    let turn = std::f64::consts::PI * k as f64 / run.setting.context.rows as f64;
-                    let at =
-                        |row: &usize| if untimed(run) { (turn * (*row as f64 + 0.5)).cos() } else { 0.0 };
-                    channel.rows.iter().map(at).collect()
-                })
-            })
-            .collect();
-        all.push((What::Smooth { covariate: "row".into(), axis }, vec![(None, waves)]));
-    }
-    let field = |other: Axis| if other == axis { ALONG.to_string() } else { across(other) };
-    for (number, other) in Axis::ALL.into_iter().enumerate().filter(|(_, other)| is_needed(&field(*other))) {
-        let values = |run: usize| fields[run].iter().map(|field| field[number]).collect::<Vec<f64>>();
-        all.extend(powers(model, axis, field(other), |run| Some(values(run))));
-    }
-    if is_needed(&format!("{ALONG}{WITH_TIME}")) {
-        all.extend(with_time(model, axis, fields, span));
-    }
-    for other in Axis::ALL.into_iter().filter(|other| is_needed(&format!("{PAST}{}", field(*other)))) {
-        all.extend(history(model, axis, other, fields));
-    }
-    let recorded = model.observed.columns().into_iter().filter(|name| Kind::Empirical.takes(name));
-    for covariate in KNOWN.map(str::to_string).into_iter().chain(recorded) {
-        let name = covariate.as_str();
-        let column = |run: usize| model.observed.runs[run].setting.context.optional(name).map(|c| c.to_vec());
-        if is_needed(name) {
-            all.extend(powers(model, axis, name.into(), column));
-            all.extend(thresholds(model, axis, name.into(), column));
-        }
-        if KNOWN.contains(&name) && name.contains("temperature") && is_needed(&format!("{RATE}{name}")) {
-            all.extend(rate(model, axis, name));
-        }
-    }
-    if is_needed(LOAD) {
-        all.extend(powers(model, axis, LOAD.into(), |run| values(model, fields, run, Some(axis), LOAD)));
-    }
-    let pairs = products(&all, &is_kept);
-    all.extend(pairs);
-    all.retain(|(what, _)| matches!(what, What::Smooth { covariate, .. } if is_kept(covariate)));
-    all
-}
-
-/// What follows the product of two: that, and each of them.
-fn products(all: &[Generic], is_kept: &dyn Fn(&str) -> bool) -> Vec<Generic> {
-    let straight = all.iter().filter_map(|(what, trials)| match (what, &trials[..]) {
-        (What::Smooth { covariate, axis }, [(None, columns)]) => Some((covariate, *axis, columns.first()?)),
-        _ => None,
-    });
-    let straight: Vec<(&String, Axis, &Stacked)> =
-        straight.filter(|(name, ..)| !name.ends_with(WITH_TIME)).collect();
-    let pairs = straight
-        .iter()
-        .enumerate()
-        .flat_map(|(k, one)| straight[k + 1..].iter().map(move |other| (one, other)));
-    let of =
-        |((name, axis, one), (of, _, other)): (&(&String, Axis, &Stacked), &(&String, Axis, &Stacked))| {
-            let covariate = format!("{name}{TIMES}{of}");
-            if !is_kept(&covariate) {
-                return None;
-            }
-            let product = one.times(|channel| other.part(channel).map(<[f64]>::to_vec));
-            let columns = vec![product, (*one).clone(), (*other).clone()];
-            Some((What::Smooth { covariate, axis: *axis }, vec![(None, columns)]))
-        };
-    pairs.filter_map(of).collect()
-}
-
-/// The field along a sensor times functions of time, a sensitivity that moves: half waves, and levels before and after
-/// a moment.
-fn with_time(
-    model: &Model<'_>,
-    axis: Axis,
-    fields: &[Vec<Vector3<f64>>],
-    span: Option<(f64, f64)>,
-) -> Vec<Generic> {
-    let Some(span) = span else { return Vec::new() };
-    let times = |of: &dyn Fn(&Run<'_>, usize) -> Option<f64>| {
-        stack(model, axis, |run, channel| {
-            let at = |row: &usize| Some(of(run, *row)? * fields[channel.run][*row][axis.index()]);
-            channel.rows.iter().map(|row| at(row).unwrap_or(0.0)).collect()
-        })
-    };
-    let waves = (1..=POWERS).map(|k| times(&|run, row| half_waves(k, run, row, span))).collect();
-    let moments = (1..MOMENTS).map(|k| {
-        let moment = span.0 + span.1 * k as f64 / MOMENTS as f64;
-        let level = |run: &Run<'_>, row: usize| {
-            let time = run.time_s?[row] + run.setting.context.clock_s;
-            Some(f64::from(u8::from(time >= moment)))
-        };
-        (Some(moment), vec![times(&level)])
-    });
-    let what = What::Smooth { covariate: format!("{ALONG}{WITH_TIME}"), axis };
-    vec![(what.clone(), vec![(None, waves)]), (what, moments.collect())]
-}
-
-/// What the field along or across a sensor was before: by how much it is off its own past, a first-order lag
-/// of some rows, that times the field, its size and its cube.
-fn history(model: &Model<'_>, axis: Axis, of: Axis, fields: &[Vec<Vector3<f64>>]) -> Option<Generic> {
-    model.observed.runs.iter().find(|run| run.time_s.is_some())?;
-    let largest = fields.iter().flatten().map(|field| field[of.index()].abs()).fold(0.0, f64::max);
-    if largest.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
-        return None;
-    }
-    let field = |run: usize| fields[run].iter().map(|field| field[of.index()] / largest).collect();
-    let series: Vec<Option<Vec<f64>>> = (0..fields.len()).map(|run| Some(field(run))).collect();
-    let trials = PAST_ROWS.map(|rows| {
-        let past = past(model, &series, |time| rows * mean_step_s(time));
-        let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
-        let columns: Vec<Stacked> = vec![
-            column(|_, off| off),
-            column(|b, off| b * off),
-            column(|_, off| off.abs()),
-            column(|b, off| b * off.abs()),
-            column(|_, off| off.powi(3)),
-        ];
-        (Some(rows), columns)
-    });
-    Some((
-        What::Smooth {
-            covariate: format!("{PAST}{}", if of == axis { ALONG.to_string() } else { across(of) }),
-            axis,
-        },
-        trials.to_vec(),
-    ))
-}
-
-/// How fast a temperature changes: by how much it is off its own past, and that times itself.
-fn rate(model: &Model<'_>, axis: Axis, name: &str) -> Option<Generic> {
-    let column = |run: &Run<'_>| {
-        run.time_s?;
-        run.setting.context.optional(name).map(|c| c.to_vec())
-    };
-    let series: Vec<Option<Vec<f64>>> = model.observed.runs.iter().map(column).collect();
-    series.iter().find(|series| series.is_some())?;
-    let trials = PAST_ROWS.map(|rows| {
-        let past = past(model, &series, |time| rows * mean_step_s(time));
-        let column = |form: fn(f64, f64) -> f64| off(model, axis, (&series, &past), form);
-        (Some(rows), vec![column(|_, off| off), column(|_, off| off * off)])
-    });
-    Some((What::Smooth { covariate: format!("{RATE}{name}"), axis }, trials.to_vec()))
 }
 
 /// What series were before, by a first-order lag in recordings with times.
@@ -241,84 +68,212 @@ pub fn past(model: &Model<'_>, series: &Series, lag_s: impl Fn(&[f64]) -> f64) -
     model.observed.runs.iter().zip(series).map(of).collect()
 }
 
-/// A form of series and of how much they are off their past, in the channels of one sensor.
-fn off(
-    model: &Model<'_>,
+/// One sensor, with the fields in SEN that a state predicts.
+struct Sensor<'m, 'a> {
+    model: &'m Model<'a>,
     axis: Axis,
-    (series, past): (&Series, &Series),
-    form: fn(f64, f64) -> f64,
-) -> Stacked {
-    stack(model, axis, |_, channel| {
-        let (Some(series), Some(past)) = (&series[channel.run], &past[channel.run]) else {
-            return vec![0.0; channel.rows.len()];
+    fields: &'m [Vec<Vector3<f64>>],
+}
+
+impl Sensor<'_, '_> {
+    fn all(&self, names: Option<&BTreeSet<String>>) -> Vec<Generic> {
+        let runs = &self.model.observed.runs;
+        let name = |covariate: &str| self.what(covariate).name();
+        let is_kept = |covariate: &str| names.is_none_or(|names| names.contains(&name(covariate)));
+        // What is kept, and the factors of products that are.
+        let factors: BTreeSet<String> =
+            names.into_iter().flatten().flat_map(|one| one.split(TIMES).map(str::to_string)).collect();
+        let is_needed = |covariate: &str| {
+            is_kept(covariate) || factors.contains(covariate) || factors.contains(&name(covariate))
         };
-        let at = |row: &usize| form(series[*row], series[*row] - past[*row]);
-        channel.rows.iter().map(at).map(|v| if v.is_finite() { v } else { 0.0 }).collect()
-    })
-}
-
-/// Mean time from one row to the next.
-pub fn mean_step_s(time: &[f64]) -> f64 {
-    (time[time.len() - 1] - time[0]) / (time.len().max(2) - 1) as f64
-}
-
-/// Powers of a covariate from the first, in an orthogonal form, about its middle.
-fn powers(
-    model: &Model<'_>,
-    axis: Axis,
-    covariate: String,
-    values: impl Fn(usize) -> Option<Vec<f64>>,
-) -> Option<Generic> {
-    let series: Vec<Option<Vec<f64>>> = (0..model.observed.runs.len()).map(values).collect();
-    let range = range(series.iter().flatten().flatten())?;
-    let columns = (1..=POWERS)
-        .map(|k| {
-            stack(model, axis, |_, channel| {
-                let Some(values) = &series[channel.run] else { return vec![0.0; channel.rows.len()] };
-                channel.rows.iter().map(|row| polynomial(k, values[*row], range)).collect()
-            })
-        })
-        .collect();
-    Some((What::Smooth { covariate, axis }, vec![(None, columns)]))
-}
-
-/// Two levels, one below a threshold of a covariate and one above, the threshold at each of some quantiles.
-fn thresholds(
-    model: &Model<'_>,
-    axis: Axis,
-    covariate: String,
-    values: impl Fn(usize) -> Option<Vec<f64>>,
-) -> Option<Generic> {
-    let series: Vec<Option<Vec<f64>>> = (0..model.observed.runs.len()).map(values).collect();
-    let mut sorted: Vec<f64> = series.iter().flatten().flatten().copied().filter(|v| v.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let mut at: Vec<f64> = (1..=THRESHOLDS)
-        .filter_map(|k| sorted.get(k * sorted.len() / (THRESHOLDS + 1)).copied())
-        .filter(|threshold| sorted.first().is_some_and(|least| threshold > least))
-        .collect();
-    at.dedup();
-    let column = |threshold: f64| {
-        stack(model, axis, |_, channel| {
-            let Some(values) = &series[channel.run] else { return vec![0.0; channel.rows.len()] };
-            channel.rows.iter().map(|row| f64::from(u8::from(values[*row] >= threshold))).collect()
-        })
-    };
-    let trials: Vec<_> = at.into_iter().map(|threshold| (Some(threshold), vec![column(threshold)])).collect();
-    (!trials.is_empty()).then_some((What::Smooth { covariate, axis }, trials))
-}
-
-/// A column that is something in the channels of one sensor, its projection in magnitudes, and zero in all
-/// others.
-fn stack(model: &Model<'_>, axis: Axis, values: impl Fn(&Run<'_>, &Channel) -> Vec<f64>) -> Stacked {
-    let observed = &model.observed;
-    let part = |channel: &Channel| match channel.reader {
-        Reader::Sensor(own) if own == axis => Some(values(&observed.runs[channel.run], channel)),
-        Reader::Magnitude => {
-            let values = values(&observed.runs[channel.run], channel).into_iter().enumerate();
-            Some(values.map(|(k, value)| value * channel.shares[k][axis.index()]).collect())
+        let mut all: Vec<Generic> = Vec::new();
+        let span = self.model.observed.span();
+        if let Some(span) = span.filter(|_| is_needed("time_s")) {
+            all.push(self.waves("time_s", WAVES, |k, run, row| half_waves(k, &runs[run], row, span)));
         }
+        let untimed = |run: &Run<'_>| run.time_s.is_none() && run.setting.context.rows >= ROWS;
+        if is_needed("row") && runs.iter().any(untimed) {
+            all.push(self.waves("row", WAVES, |k, run, row| {
+                let turn = PI * k as f64 / runs[run].setting.context.rows as f64;
+                untimed(&runs[run]).then(|| (turn * (row as f64 + 0.5)).cos())
+            }));
+        }
+        let fields = Axis::ALL.map(|other| if other == self.axis { ALONG.into() } else { across(other) });
+        all.extend(fields.iter().filter(|name| is_needed(name)).filter_map(|name| self.powers(name)));
+        if let Some(span) = span.filter(|_| is_needed(&format!("{ALONG}{WITH_TIME}"))) {
+            all.extend(self.with_time(span));
+        }
+        for name in fields.iter().filter(|name| is_needed(&format!("{PAST}{name}"))) {
+            all.extend(self.history(name));
+        }
+        let recorded = self.model.observed.columns().into_iter().filter(|name| Kind::Empirical.takes(name));
+        for covariate in KNOWN.map(str::to_string).into_iter().chain(recorded) {
+            let name = covariate.as_str();
+            if is_needed(name) {
+                all.extend(self.powers(name));
+                all.extend(self.thresholds(name));
+            }
+            if KNOWN.contains(&name) && name.contains("temperature") && is_needed(&format!("{RATE}{name}")) {
+                all.extend(self.rate(name));
+            }
+        }
+        if is_needed(LOAD) {
+            all.extend(self.powers(LOAD));
+        }
+        let pairs = products(&all, &is_kept);
+        all.extend(pairs);
+        all.retain(|(what, _)| matches!(what, What::Smooth { covariate, .. } if is_kept(covariate)));
+        all
+    }
+
+    fn what(&self, covariate: &str) -> What {
+        What::Smooth { covariate: covariate.into(), axis: self.axis }
+    }
+
+    fn series(&self, name: &str) -> Vec<Option<Vec<f64>>> {
+        let of = |run: usize| values(self.model, self.fields, run, Some(self.axis), name);
+        (0..self.model.observed.runs.len()).map(of).collect()
+    }
+
+    /// Functions of time, order by order.
+    fn waves(
+        &self,
+        covariate: &str,
+        orders: usize,
+        at: impl Fn(usize, usize, usize) -> Option<f64>,
+    ) -> Generic {
+        let columns = (1..=orders).map(|k| self.column(|run, row| at(k, run, row))).collect();
+        (self.what(covariate), vec![(None, columns)])
+    }
+
+    /// The field along the sensor, a sensitivity that moves: times half waves, and levels about a moment.
+    fn with_time(&self, span: (f64, f64)) -> [Generic; 2] {
+        let runs = &self.model.observed.runs;
+        let along = |run: usize, row: usize| self.fields[run][row][self.axis.index()];
+        let covariate = format!("{ALONG}{WITH_TIME}");
+        let waves = self.waves(&covariate, POWERS, |k, run, row| {
+            Some(half_waves(k, &runs[run], row, span)? * along(run, row))
+        });
+        let moments = (1..MOMENTS).map(|k| {
+            let moment = span.0 + span.1 * k as f64 / MOMENTS as f64;
+            let level = self.column(|run, row| {
+                let time = runs[run].time_s?[row] + runs[run].setting.context.clock_s;
+                Some(f64::from(u8::from(time >= moment)) * along(run, row))
+            });
+            (Some(moment), vec![level])
+        });
+        [waves, (self.what(&covariate), moments.collect())]
+    }
+
+    /// By how much a field is off its own past, that times the field, its size and its cube.
+    fn history(&self, name: &str) -> Option<Generic> {
+        self.model.observed.runs.iter().find(|run| run.time_s.is_some())?;
+        let mut series = self.series(name);
+        let largest = series.iter().flatten().flatten().map(|field| field.abs()).fold(0.0, f64::max);
+        if largest.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+            return None;
+        }
+        series.iter_mut().flatten().flatten().for_each(|field| *field /= largest);
+        let forms: [Form; 5] = [
+            |_, off| off,
+            |b, off| b * off,
+            |_, off| off.abs(),
+            |b, off| b * off.abs(),
+            |_, off| off.powi(3),
+        ];
+        Some(self.off_past(&format!("{PAST}{name}"), &series, &forms))
+    }
+
+    /// How fast a temperature changes: by how much it is off its own past, and that times itself.
+    fn rate(&self, name: &str) -> Option<Generic> {
+        let mut series = self.series(name);
+        let runs = self.model.observed.runs.iter().zip(&mut series);
+        runs.filter(|(run, _)| run.time_s.is_none()).for_each(|(_, series)| *series = None);
+        series.iter().find(|series| series.is_some())?;
+        let forms: [Form; 2] = [|_, off| off, |_, off| off * off];
+        Some(self.off_past(&format!("{RATE}{name}"), &series, &forms))
+    }
+
+    /// Forms of series and of how much they are off their past, a first-order lag of some rows.
+    fn off_past(&self, covariate: &str, series: &Series, forms: &[Form]) -> Generic {
+        let trials = PAST_ROWS.map(|rows| {
+            let past = past(self.model, series, |time| rows * mean_step_s(time));
+            let column = |form: &Form| {
+                self.column(|run, row| {
+                    let (now, before) = (series[run].as_ref()?[row], past[run].as_ref()?[row]);
+                    Some(form(now, now - before)).filter(|value| value.is_finite())
+                })
+            };
+            (Some(rows), forms.iter().map(column).collect())
+        });
+        (self.what(covariate), trials.to_vec())
+    }
+
+    /// Powers of a covariate from the first, in an orthogonal form, about its middle.
+    fn powers(&self, covariate: &str) -> Option<Generic> {
+        let series = self.series(covariate);
+        let range = range(series.iter().flatten().flatten())?;
+        let power = |k: usize, run: usize, row: usize| Some(polynomial(k, series[run].as_ref()?[row], range));
+        Some(self.waves(covariate, POWERS, power))
+    }
+
+    /// Two levels, one below a threshold of a covariate and one above, the threshold at each of some quantiles.
+    fn thresholds(&self, covariate: &str) -> Option<Generic> {
+        let series = self.series(covariate);
+        let mut sorted: Vec<f64> = series.iter().flatten().flatten().copied().collect();
+        sorted.retain(|value| value.is_finite());
+        sorted.sort_by(f64::total_cmp);
+        let mut at: Vec<f64> = (1..=THRESHOLDS)
+            .filter_map(|k| sorted.get(k * sorted.len() / (THRESHOLDS + 1)).copied())
+            .filter(|threshold| sorted.first().is_some_and(|least| threshold > least))
+            .collect();
+        at.dedup();
+        let trial = |at: f64| {
+            let level = |run: usize, row: usize| Some(f64::from(u8::from(series[run].as_ref()?[row] >= at)));
+            (Some(at), vec![self.column(level)])
+        };
+        let trials: Vec<_> = at.into_iter().map(trial).collect();
+        (!trials.is_empty()).then(|| (self.what(covariate), trials))
+    }
+
+    /// A column of a value at each row of each recording, zero where there is none: that in the channels of the sensor,
+    /// its projection in magnitudes, and zero in all others.
+    fn column(&self, at: impl Fn(usize, usize) -> Option<f64>) -> Stacked {
+        let part = |channel: &Channel| -> Option<Vec<f64>> {
+            let values = channel.rows.iter().map(|row| at(channel.run, *row).unwrap_or(0.0));
+            match channel.reader {
+                Reader::Sensor(own) if own == self.axis => Some(values.collect()),
+                Reader::Magnitude => {
+                    let shares = channel.shares.iter().map(|share| share[self.axis.index()]);
+                    Some(values.zip(shares).map(|(value, share)| value * share).collect())
+                }
+                _ => None,
+            }
+        };
+        let something = |part: &Vec<f64>| part.iter().any(|value| *value != 0.0);
+        let channels = self.model.observed.channels.iter();
+        Stacked::new(channels.map(|channel| part(channel).filter(something)).collect())
+    }
+}
+
+/// What follows the product of two: that, and each of them.
+fn products(all: &[Generic], is_kept: &dyn Fn(&str) -> bool) -> Vec<Generic> {
+    let straight = all.iter().filter_map(|(what, trials)| match (what, &trials[..]) {
+        (What::Smooth { covariate, axis }, [(None, columns)]) => Some((covariate, *axis, columns.first()?)),
         _ => None,
-    };
-    let something = |part: &Vec<f64>| part.iter().any(|value| *value != 0.0);
-    Stacked::new(observed.channels.iter().map(|channel| part(channel).filter(something)).collect())
+    });
+    let straight: Vec<(&String, Axis, &Stacked)> =
+        straight.filter(|(name, ..)| !name.ends_with(WITH_TIME)).collect();
+    let mut found = Vec::new();
+    for (k, (name, axis, one)) in straight.iter().enumerate() {
+        for (of, _, other) in &straight[k + 1..] {
+            let covariate = format!("{name}{TIMES}{of}");
+            if is_kept(&covariate) {
+                let product = one.times(|channel| other.part(channel).map(<[f64]>::to_vec));
+                let columns = vec![product, (*one).clone(), (*other).clone()];
+                found.push((What::Smooth { covariate, axis: *axis }, vec![(None, columns)]));
+            }
+        }
+    }
+    found
 }

@@ -16,16 +16,16 @@
 use common::uncertainty::{self, Block, By};
 use common::{AdoptedEffect, Axis, Document, Quantity, Uncertainty};
 use faer::Mat;
+use nalgebra::Vector3;
 use physics::{EffectInstance, Kind, Parameter, Role, frames};
 
 mod stated;
 
-use crate::Error;
 use crate::algebra::inverse;
+use crate::codes;
 use crate::fit::Fit;
-use crate::lattice;
-use crate::level::Rest;
-use crate::model::{Model, Unknown};
+use crate::model::{Model, Unknown, path};
+use crate::{Error, Ground};
 pub use stated::state;
 
 /// An unknown shows where a fit meets all of its error but this share.
@@ -47,16 +47,22 @@ struct Place {
     own: f64,
 }
 
+impl Place {
+    fn of(path: String, row: Weights, error: Weights) -> Self {
+        Self { path, row, seen: error.clone(), error, own: 0.0 }
+    }
+}
+
 /// Takes the constants of a fit and its effects, which stand in `model.effects`, into the joint uncertainty:
 /// `joint` is that of the document as it came. Gives that with the paths of what was fitted.
 pub fn adopted(
     document: &Document,
     model: &Model<'_>,
-    (fit, rest): (&Fit, &Rest),
+    ground: &Ground,
     mut joint: Uncertainty,
     known: usize,
 ) -> Result<(Uncertainty, Vec<String>), Error> {
-    let rows = model.observed.rows;
+    let (fit, rest, rows) = (&ground.fit, &ground.look.rest, model.observed.rows);
     let readings = fit.jacobian.submatrix(0, 0, rows, fit.jacobian.ncols());
     let inverse = inverse(fit.jacobian.as_ref().as_ref())?;
     let met = &inverse * (readings.transpose() * readings);
@@ -144,13 +150,7 @@ fn places(
         let factor = if info.role == Role::Shape { effect.parameters[parameter] } else { 1.0 };
         let k = model.unknowns.len() + k;
         let error = if number < known { vec![(k, 1.0 / factor)] } else { Vec::new() };
-        places.push(Place {
-            path: uncertainty::effect(adopted, info.name),
-            row: vec![(k, factor)],
-            seen: error.clone(),
-            error,
-            own: 0.0,
-        });
+        places.push(Place::of(uncertainty::effect(adopted, info.name), vec![(k, factor)], error));
     }
     for (number, effect) in fit.state.effects.iter().enumerate().skip(known) {
         let (Kind::Quantisation, Some(adopted)) = (effect.kind, effects.get(number)) else { continue };
@@ -188,44 +188,27 @@ impl Stated<'_, '_> {
         let along = |component: Axis, coil: Axis| {
             run.map_or(0.0, |run| run.setting.basic.eta[(component.index(), coil.index())])
         };
-        let place = |path: String, k: usize| Place {
-            path,
-            row: vec![(k, 1.0)],
-            error: vec![(k, 1.0)],
-            seen: vec![(k, 1.0)],
-            own: 0.0,
-        };
         let mut places = Vec::new();
         for (k, unknown) in self.model.unknowns.iter().enumerate() {
+            let Some(path) = path(self.document.calibration.as_ref(), unknown) else { continue };
+            let mut place = Place::of(path, vec![(k, 1.0)], vec![(k, 1.0)]);
             match unknown {
-                Unknown::Chain(Parameter::Sensitivity(axis), unit) => {
-                    places.push(place(uncertainty::sensitivity(*axis, unit.suffix()), k));
-                }
-                Unknown::Chain(Parameter::SensorOffset(axis), _) => {
-                    places.push(place(offset(self.document, *axis), k));
-                }
-                Unknown::Chain(Parameter::CoilConstant(axis), _) => {
-                    places.push(place(uncertainty::coil_constant(*axis), k));
-                }
                 Unknown::Chain(Parameter::CoilOffset(axis), _) => {
-                    let mut place = place(uncertainty::coil_offset(*axis), k);
                     for component in Axis::ALL.into_iter().filter(|component| is_sum(*component)) {
                         let field = fields[component.index()];
                         place.error.extend(field.map(|field| (field, -along(component, *axis))));
                     }
                     place.seen = place.error.clone();
-                    places.push(place);
                 }
                 Unknown::Field(axis) => {
-                    let mut place = place(uncertainty::residual_field(*axis), k);
                     for coil in Axis::ALL {
                         let own = self.chain(Parameter::CoilOffset(coil));
                         place.row.extend(own.map(|own| (own, along(*axis, coil))));
                     }
-                    places.push(place);
                 }
                 _ => {}
             }
+            places.push(place);
         }
         places
     }
@@ -257,33 +240,24 @@ impl Stated<'_, '_> {
                 |which: usize| fit.jacobian.ncols() + 6 * usize::from(coils) + 2 * axis.index() + which;
             let place = |which: usize| turns[which].unwrap_or_else(|| behind(which));
             for component in 0..3 {
-                let error: Weights = (0..2).map(|which| (place(which), along[which][component])).collect();
-                places.push(Place {
-                    path: paths[3 * axis.index() + component].clone(),
-                    row: (0..2).map(|which| (place(which), moved[which][component])).collect(),
-                    seen: error.clone(),
-                    error,
-                    own: 0.0,
-                });
+                let weights = |of: &[Vector3<f64>; 2]| [0, 1].map(|k| (place(k), of[k][component])).to_vec();
+                let path = paths[3 * axis.index() + component].clone();
+                places.push(Place::of(path, weights(&moved), weights(&along)));
             }
         }
         places
     }
 
-    /// The width of a sensor's codes, which is known in units of its readings: in nT it goes with the
-    /// sensitivity.
+    /// The width of a sensor's codes, known in units of its readings: in nT it goes with the sensitivity.
     fn codes(&self, fit: &Fit, codes: &EffectInstance, adopted: &AdoptedEffect) -> Option<Place> {
         let (axis, width) = (codes.axis?, *codes.parameters.first()?);
         let (basic, _) = self.model.setting(&fit.state, 0);
         let sensitivity = basic.sensors[axis.index()].sensitivity;
         let unknown = self.chain(Parameter::Sensitivity(axis));
-        Some(Place {
-            path: uncertainty::effect(adopted, codes.kind.parameters()[0].name),
-            row: unknown.map(|k| (k, width / sensitivity)).into_iter().collect(),
-            error: Vec::new(),
-            seen: Vec::new(),
-            own: lattice::width_std(self.model, &fit.state, codes).powi(2),
-        })
+        let path = uncertainty::effect(adopted, codes.kind.parameters()[0].name);
+        let row = unknown.map(|k| (k, width / sensitivity)).into_iter().collect();
+        let own = codes::width_std(self.model, &fit.state, codes).powi(2);
+        Some(Place { own, ..Place::of(path, row, Vec::new()) })
     }
 
     /// Resistors and the voltmeter, where no current was read as such.
@@ -303,25 +277,12 @@ impl Stated<'_, '_> {
                 let seen = std::iter::once((k, like[0])).chain(offset.map(|offset| (offset, like[1])));
                 match places.iter_mut().find(|place| place.path == path) {
                     Some(place) => place.seen.extend(seen),
-                    None => places.push(Place {
-                        path,
-                        row: Vec::new(),
-                        error: Vec::new(),
-                        seen: seen.collect(),
-                        own: 0.0,
-                    }),
+                    None => {
+                        places.push(Place { seen: seen.collect(), ..Place::of(path, Vec::new(), Vec::new()) })
+                    }
                 }
             }
         }
         places
-    }
-}
-
-/// The path of a sensor's offset, or, where axescal found something to be added, of the sum.
-pub fn offset(document: &Document, axis: Axis) -> String {
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
-    match axes.and_then(|axes| axes.offsets_nt.as_ref()?.get(axis)).and_then(Quantity::std) {
-        Some(_) => uncertainty::added_offset(axis),
-        None => uncertainty::sensor_offset(axis),
     }
 }

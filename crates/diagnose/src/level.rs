@@ -49,8 +49,7 @@ impl Rest {
         Self { sum_of_squares: gain + left, ..*self }.p(gain, rank)
     }
 
-    /// ln of the likelihood at a sum of squares over that at another, the size of the noise averaged out
-    /// where it is not known.
+    /// ln of the likelihood ratio of two sums of squares, the noise's size averaged out where it is not known.
     pub fn log_likelihood(&self, whole: f64, left: f64) -> f64 {
         if self.known.is_infinite() {
             return 0.5 * (whole - left);
@@ -68,15 +67,13 @@ impl Rest {
         (left - self.freedom - BEYOND_CHANCE * spread).max(0.0)
     }
 
-    /// Whether more is left than noise leaves, as well as that is known, and by more than a share of the rms that
-    /// matters.
+    /// Whether more is left than noise leaves, and by a share of the rms that matters.
     pub fn is_beyond(&self) -> bool {
         self.excess(self.sum_of_squares) > 0.0
             && (self.sum_of_squares / self.freedom).sqrt() > PlainRegression::WORSE
     }
 
-    /// Whether the scatter is larger than the declaration by more than chance, its own uncertainty left
-    /// aside.
+    /// Whether the scatter is beyond the declaration by more than chance, its own uncertainty aside.
     pub fn is_larger(&self, level: f64) -> bool {
         self.known > 0.0 && chi_squared_p(self.sum_of_squares, self.freedom) < level
     }

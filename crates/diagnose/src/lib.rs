@@ -16,20 +16,19 @@
 //! - `search` looks at one residual: what stands out, and its probability by chance. Chance is a bootstrap in
 //!   whitened space (the maximum over all candidates and shapes), where the base fit is linear: a thousand
 //!   whole searches for each recording would take hours and say the same. `lines`, `events` and `codes`
-//!   search what no grid of columns can hold; `lattice` sees coarse codes in the readings themselves.
+//!   search what no grid of columns can hold; `codes` sees coarse ones in the readings themselves, too.
 //! - `atoms` are the possible explanations with their priors; `form` their departures from their equations
 //!   (`form_error`: what these add to the uncertainty of every fitted parameter; `sized`: intervals of
 //!   parameters). `evidence` is the marginal likelihood, `sets` the beam search over sets, `verdict` the
 //!   names with probabilities and shares, `families` the kinds of physics. All thresholds are in `decide`.
-//! - `plausible` takes back names of impossible shapes. `plain` judges names by held-out readings, beside plain regressions (`report/rivals`); `linear` tells of a
-//!   refit that leaves more than linear least squares. `beside` answers of two instruments side by side.
+//! - `plain` takes back names of impossible shapes, and judges names by held-out readings, beside plain regressions (`report/residuals`). `beside` answers of two instruments side by side.
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
-//!   residual (`moments`: which of it is new, which pays its trials factor). `approach`: where it
+//!   residual (`proposal`: which of it is new, which pays its trials factor). `approach`: where it
 //!   begins, for large effects about the calibration that goes with them.
 //! - `empirical` adopts structure without a name where that is asked for.
 //! - `moved` tests the stated calibration against the fit. `experiment` varies a recording and finds the
 //!   variant in which the rival names differ most. `report` and `adopt` write. `magnitude` compares a vector
-//!   of unknown direction with a scalar reading, in the field of its own `smooth` readings. `covariates` says
+//!   of unknown direction with a scalar reading, in the field of its own smooth readings. `covariates` says
 //!   what an effect follows, for forms, places, energy and series alike.
 //! - `joint`: constants that the recordings determine rest on the readings alone; the others keep their
 //!   earlier sources of uncertainty.
@@ -47,7 +46,6 @@ mod codes;
 mod course;
 mod covariates;
 mod decide;
-mod drawn;
 mod empirical;
 mod events;
 mod evidence;
@@ -59,18 +57,14 @@ mod form_error;
 mod generic;
 mod held_out;
 mod joint;
-mod lattice;
 mod level;
-mod linear;
 mod lines;
 mod magnitude;
 mod model;
-mod moments;
 mod moved;
 mod next;
 mod observed;
 mod plain;
-mod plausible;
 mod pool;
 mod products;
 mod projection;
@@ -80,26 +74,24 @@ mod screened;
 mod search;
 mod sets;
 mod sized;
-mod smooth;
 mod stacked;
 mod stands;
 mod verdict;
 mod waves;
-mod what;
 mod whitening;
 mod words;
 
 pub use common::Error;
 pub use words::summary;
 
-use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Verdict, procedure};
+use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Rival, Verdict, procedure};
 use indexmap::IndexMap;
 use physics::{Kind, References};
 
-use crate::fit::Fit;
+use crate::fit::{Fit, Fitter};
 use crate::model::Model;
 use crate::observed::Observed;
-use crate::proposal::Addition;
+use crate::proposal::{Addition, Proposal};
 use crate::search::Look;
 use crate::whitening::NoiseModel;
 
@@ -126,58 +118,72 @@ impl Default for Options {
     }
 }
 
-/// One thing that was found, and what was said against it.
-#[derive(Clone, Debug)]
+/// A name of an answer, and what was said against it.
+#[derive(Clone, Debug, Default)]
 struct NamedEffect {
-    /// Its name with its target.
     name: String,
-    /// What came in: one thing, or a list of such at moments.
+    /// What comes in: one thing, or a list of such at moments.
     additions: Vec<Addition>,
     /// Whether it touches few rows, so that rows left out say nothing.
     local: bool,
     /// Probability of such a gain by chance, all that was searched counted.
-    p_adjusted: f64,
+    p: f64,
     /// Probability of the name.
     probability: f64,
     /// Share of what can be explained.
     share: f64,
     /// Share of its energy by which it departs from its form.
     departure: f64,
+    /// How far it may depart from its form, for each group of departures.
+    departs: Vec<f64>,
     /// By how much it lowers the sum of squares beside all others: whitened, and in nT².
     gain: f64,
     gain_nt2: f64,
     /// By how much it lowers the sum of squares of readings left out, part by part.
     held_out: Vec<f64>,
     /// Names that explain as well.
-    equal: Vec<verdict::Alternative>,
+    equal: Vec<Alternative>,
     /// Others, and why they lost.
-    lost: Vec<(String, String)>,
+    lost: Vec<Rival>,
+}
+
+/// A name that could stand in the place of another, with what would come in.
+#[derive(Clone, Debug)]
+struct Alternative {
+    name: String,
+    additions: Vec<Addition>,
+}
+
+/// A fit with the noise on which it rests, and what stands out of it.
+#[derive(Clone)]
+struct Ground {
+    fit: Fit,
+    noise: NoiseModel,
+    look: Look,
+    /// Codes that the readings show by themselves.
+    codes: Vec<Proposal>,
+}
+
+impl Ground {
+    fn fitter<'b, 'a>(&'b self, model: &'b Model<'a>) -> Fitter<'a, 'b> {
+        Fitter { model, noise: &self.noise }
+    }
 }
 
 /// All that was found.
 struct Outcome {
     /// Residual of the document as it came, nT.
     before: Vec<f64>,
-    /// The calibration alone fitted again.
-    base: Fit,
-    /// The noise on which that rests.
-    base_noise: NoiseModel,
-    /// The first look.
-    first: Look,
+    base: Ground,
+    /// The final fit.
+    now: Ground,
     found: Vec<NamedEffect>,
-    /// What it comes to.
     verdict: Verdict,
-    /// What else looked like an answer, and why it is none.
     refused: Vec<(String, String)>,
     /// Structure without a name beside them.
     unnamed: Vec<verdict::Unnamed>,
     /// The kinds of physics among all of it.
     families: Vec<ExplainedFamily>,
-    /// The final fit.
-    fit: Fit,
-    noise: NoiseModel,
-    /// The last look.
-    last: Look,
     /// What is to be said of the fits.
     notes: Vec<String>,
     /// Parameters of the effects of the final fit, with their uncertainty.
@@ -189,12 +195,11 @@ impl Outcome {
     fn without_names(&mut self, why: &str) {
         self.refused.extend(self.found.drain(..).map(|found| (found.name, why.to_string())));
         self.verdict = Verdict::Unexplained;
-        (self.fit, self.noise, self.last) = (self.base.clone(), self.base_noise.clone(), self.first.clone());
+        self.now = self.base.clone();
     }
 }
 
-/// The plan of the recording that would decide between the names of an ambiguous answer, as text for
-/// `simulate campaign`.
+/// The plan of the recording that would decide an ambiguous answer, as text for `simulate campaign`.
 pub fn plan(document: &Document) -> Option<String> {
     let entries = document.diagnosis.iter().flatten();
     let plan =
@@ -273,25 +278,25 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
     let original = gathered.map_or(original, |gathered| gathered.document);
     let mut observed = Observed::of(&original)?;
     observed.notes.splice(0..0, notes);
-    let (model, start) = Model::of(&original, observed)?;
-    let (mut outcome, mut searcher) = screened::search(&original, (&model, &start), options, told)?;
+    let (model, start) = Model::of(observed)?;
+    let (mut outcome, mut searcher) = screened::search(&model, &start, options, told)?;
     told("writing the answer");
-    stands::standing(&original, &model, &start, &mut outcome)?;
-    plausible::judge(&model, &mut outcome);
-    let mut fit = report::fit(&model, &mut searcher, &outcome)?;
+    stands::standing(&model, &start, &mut outcome)?;
+    plain::judge_shapes(&model, &mut outcome);
+    let mut fit = report::fit(&mut searcher, &outcome)?;
     if plain::judge(&mut outcome, &fit) {
-        fit = report::fit(&model, &mut searcher, &outcome)?;
+        fit = report::fit(&mut searcher, &outcome)?;
     }
     let empirical = if options.empirical {
         told("adopting structure without a name");
-        empirical::adopt(&original, &model, &mut searcher, &mut outcome)?
+        empirical::adopt(&mut searcher, &mut outcome)?
     } else {
         Vec::new()
     };
     if !empirical.is_empty() {
-        fit = report::fit(&model, &mut searcher, &outcome)?;
+        fit = report::fit(&mut searcher, &outcome)?;
     }
-    let moved = moved::moved(&original, &model, &outcome, options.level);
+    let moved = moved::moved(&model, &outcome, options.level);
     if outcome.verdict == Verdict::Agrees && !moved.is_empty() {
         outcome.verdict = Verdict::Explained;
     }
@@ -311,14 +316,10 @@ fn campaign(document: &mut Document, options: &Options, told: &dyn Fn(&str)) -> 
         physics::state_references(document, &References::of(&original));
     } else if options.refit {
         // Beside names that are open, without any of them.
-        let (stands, look) = if outcome.found.is_empty() {
-            (&outcome.fit, &outcome.last)
-        } else {
-            (&outcome.base, &outcome.first)
-        };
-        adopt::calibration(document, &model, (stands, &look.rest))?;
+        let stands = if outcome.found.is_empty() { &outcome.now } else { &outcome.base };
+        adopt::calibration(document, &model, stands)?;
     }
-    let entry = report::report(&original, &model, &mut searcher, &outcome, fit, options)?;
+    let entry = report::report(&mut searcher, &outcome, fit)?;
     let entry = Diagnosis { calibration_moved: moved, empirical, ..entry };
     Ok(Diagnosis { answer: words::answer(&entry), ..entry })
 }

@@ -10,7 +10,7 @@ use crate::algebra::square;
 use crate::channel::{Reader, Run};
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one, looks_along};
-use crate::proposal::{Addition, Proposal};
+use crate::proposal::Proposal;
 
 /// Fewest readings of a series whose lines are searched.
 const SHORTEST: usize = 24;
@@ -34,7 +34,6 @@ const STRAY: f64 = 2e-3;
 /// A line by chance has an alias within that, at most so often, if the name is to mean anything.
 const BY_CHANCE: f64 = 0.3;
 
-/// A line and where it is.
 #[derive(Clone, Debug)]
 pub struct Line {
     /// Recording in which it is strongest.
@@ -52,10 +51,9 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let mut best: Option<(f64, f64, usize, f64, f64)> = None;
     for (number, run) in observed.runs.iter().enumerate() {
         let Some(time) = run.time_s else { continue };
-        let channels: Vec<_> = observed
-            .channels_of(number)
-            .filter(|c| c.reader != Reader::Scalar && c.rows.len() >= SHORTEST)
-            .collect();
+        let own = observed.channels_of(number);
+        let channels: Vec<_> =
+            own.filter(|c| c.reader != Reader::Scalar && c.rows.len() >= SHORTEST).collect();
         let (Some(first), Some(last)) = (time.first(), time.last()) else { continue };
         let length = last - first;
         let Some(most) = channels.iter().map(|c| c.rows.len()).max().filter(|_| length > 0.0) else {
@@ -64,14 +62,12 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
         let step = length / (most - 1) as f64;
         let rank = 2 * channels.len();
         let points = (2 * OVERSAMPLED * most).next_power_of_two();
-        let series: Vec<Series<'_>> = channels
-            .iter()
-            .map(|channel| Series {
-                x: channel.rows.iter().map(|row| time[*row]).collect(),
-                y: &fit.white[channel.range()],
-                weight: 2.0 / channel.rows.len() as f64,
-            })
-            .collect();
+        let series = channels.iter().map(|channel| Series {
+            x: channel.rows.iter().map(|row| time[*row]).collect(),
+            y: &fit.white[channel.range()],
+            weight: 2.0 / channel.rows.len() as f64,
+        });
+        let series: Vec<Series<'_>> = series.collect();
         let tried = (FEWEST / length, 0.5 / step);
         let Some(found) = strongest(&series, 0.5 * step, points, tried) else { continue };
         let Strongest { frequency, power, band } = found;
@@ -102,17 +98,13 @@ pub fn proposals(fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> (Option<Lin
     let mut found = Vec::new();
     for (kind, f) in sources {
         let name = kind.name();
-        let of = |recording: Option<&String>, name: String, group: Option<&String>| Proposal {
-            name,
-            addition: Addition::Effect(EffectInstance {
+        let of = |recording: Option<&String>, name: String, group: Option<&String>| {
+            let parameters = [vec![0.0; 6], vec![f, 0.0]].concat();
+            let effect = EffectInstance {
                 recording: recording.cloned(),
-                ..EffectInstance::new(kind, None, [vec![0.0; 6], vec![f, 0.0]].concat())
-            }),
-            p,
-            gain,
-            looks,
-            local: false,
-            group: group.cloned(),
+                ..EffectInstance::new(kind, None, parameters)
+            };
+            Proposal { name, group: group.cloned(), ..Proposal::of(effect, p, gain, looks) }
         };
         // While a machine runs in one recording; in all, in phase or not.
         let enough = |length_s: f64| kind != Kind::PeriodicField || frequency * length_s > CYCLES;

@@ -1,22 +1,18 @@
 //! What is fitted: the calibration's parameters, what is not known of each recording, effects, and columns.
 //!
-//! `unknown` says what may be unknown, `known` what is known of it beforehand, `state` where a fit stands,
-//! `prediction` and `derivatives` what readings are there, `past` what of them is older, `step` where a step leads.
+//! `unknown` says what may be unknown and what is known of it beforehand, `state` where a fit stands, `prediction` and
+//! `derivatives` what readings are there, `step` where a step leads.
 
 mod derivatives;
-mod known;
-mod past;
 mod prediction;
 mod state;
 mod step;
 mod unknown;
 
-pub use known::stated_std;
-pub use past::time_constant;
-pub use state::{Model, Single, State};
-pub use unknown::Unknown;
+pub use state::{Model, Single, State, amplitudes, named, target, time_constant};
+pub use unknown::{Unknown, chain, moving_place, path, stated_std};
 
-use common::{Axis, Document};
+use common::Axis;
 use physics::{Parameter, Unit, frames};
 use std::sync::Mutex;
 
@@ -26,18 +22,12 @@ use unknown::{OFFSET_NT, possible, settings, undetermined};
 
 impl<'a> Model<'a> {
     /// The recordings of a document; unknown is of the base model what they can feel.
-    pub fn of(document: &'a Document, observed: Observed<'a>) -> Result<(Self, State), Error> {
+    pub fn of(observed: Observed<'a>) -> Result<(Self, State), Error> {
         let settings = settings(&observed);
-        let (unknowns, priors) = possible(document, &observed, &settings).into_iter().unzip();
+        let (unknowns, priors) = possible(&observed, &settings).into_iter().unzip();
         let mut model = Self { observed, unknowns, priors, settings, acting: Mutex::default() };
-        let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
-        let mut state = State {
-            base: vec![0.0; model.unknowns.len()],
-            effects: Vec::new(),
-            acts: Vec::new(),
-            singles: Vec::new(),
-            past: Vec::new(),
-        };
+        let effects = physics::adopt(model.observed.document).map_err(|error| error.at("model"))?;
+        let mut state = State { base: vec![0.0; model.unknowns.len()], ..State::default() };
         for effect in effects {
             state = model.with(&state, effect);
         }

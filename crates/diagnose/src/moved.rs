@@ -1,6 +1,6 @@
 //! How far the constants moved, and whether the calibration as stated still holds.
 
-use common::{BaseShift, Document, MovedConstant, Quantity, Verdict};
+use common::{BaseShift, MovedConstant, Quantity, Verdict};
 use estimate::stats::chi_squared_p;
 use nalgebra::{DMatrix, DVector};
 use physics::Parameter;
@@ -13,30 +13,32 @@ use crate::model::{Model, Unknown, stated_std};
 const RIDGE: f64 = 1e-12;
 /// Eigenvalues of the stated constants below this are rounding.
 const ROUNDING: f64 = 1e-9;
-/// Another constant could have moved in the place of one if χ² falls by no more than this less without its
-/// statement: odds of twenty.
+/// Another constant could have moved where χ² falls by no more than this less without it: odds of twenty.
 const AS_GOOD: f64 = 6.0;
 
 /// Shifts of all constants that the final fit determines.
 pub fn shifts(model: &Model<'_>, outcome: &Outcome) -> Vec<BaseShift> {
-    let scale = outcome.last.rest.scale();
+    let scale = outcome.now.look.rest.scale();
     let of = |(k, (unknown, shift)): (usize, (&Unknown, &f64))| {
-        let variance = outcome.fit.covariance[(k, k)];
+        let variance = outcome.now.fit.covariance[(k, k)];
         (*shift != 0.0 && variance.is_finite()).then(|| BaseShift {
             parameter: name(model, unknown),
             shift: Quantity::new(*shift, (variance * scale).sqrt()),
         })
     };
-    model.unknowns.iter().zip(&outcome.fit.state.base).enumerate().filter_map(of).collect()
+    model.unknowns.iter().zip(&outcome.now.fit.state.base).enumerate().filter_map(of).collect()
 }
 
 /// The constants that moved farther than the calibration states. Nothing is said beside an answer that leaves
 /// open what the fit's constants are.
-pub fn moved(document: &Document, model: &Model<'_>, outcome: &Outcome, level: f64) -> Vec<MovedConstant> {
+pub fn moved(model: &Model<'_>, outcome: &Outcome, level: f64) -> Vec<MovedConstant> {
     let open = matches!(outcome.verdict, Verdict::Unexplained | Verdict::Ambiguous);
-    let Some(calibration) = document.calibration.as_ref().filter(|_| !open) else { return Vec::new() };
+    let Some(calibration) = model.observed.document.calibration.as_ref().filter(|_| !open) else {
+        return Vec::new();
+    };
+    let mut calibration = calibration.clone();
     let stated: Vec<Option<f64>> =
-        model.unknowns.iter().map(|unknown| stated_std(calibration, unknown)).collect();
+        model.unknowns.iter().map(|unknown| stated_std(&mut calibration, unknown)).collect();
     let mut held = Held::of(outcome, &stated);
     let mut found: Vec<MovedConstant> = Vec::new();
     let mut constants: Vec<&Unknown> = Vec::new();
@@ -98,8 +100,8 @@ struct Moved {
 
 impl Held {
     fn of(outcome: &Outcome, stated: &[Option<f64>]) -> Self {
-        let jacobian = &outcome.fit.jacobian;
-        let scale = outcome.last.rest.scale();
+        let jacobian = &outcome.now.fit.jacobian;
+        let scale = outcome.now.look.rest.scale();
         let unknowns = jacobian.ncols();
         let dot = |i: usize, j: usize| -> f64 {
             let (a, b) = (jacobian.col_as_slice(i), jacobian.col_as_slice(j));
@@ -109,7 +111,7 @@ impl Held {
         for k in 0..unknowns {
             precision[(k, k)] *= 1.0 + RIDGE;
         }
-        let base = &outcome.fit.state.base;
+        let base = &outcome.now.fit.state.base;
         let at = |k: usize| stated.get(k).copied().flatten().map_or(0.0, |std| 1.0 / (std * std));
         Self {
             precision,
@@ -154,7 +156,6 @@ impl Held {
         self.stated[constant] = 0.0;
     }
 
-    /// Value and standard uncertainty of an unknown.
     fn estimate(&self, constant: usize) -> (f64, f64) {
         let Some(inverse) = self.together(&self.stated) else { return (0.0, f64::INFINITY) };
         let best = &inverse * (&self.precision * &self.fitted);
@@ -211,8 +212,7 @@ mod tests {
     use super::*;
     use noise::Stream;
 
-    /// Stated constants (the last two unknowns are not) drawn with their uncertainty, and fitted with that of
-    /// recordings.
+    /// Constants, all but the last two stated, drawn with their uncertainty and with that of recordings.
     fn drawn(seed: u64) -> Held {
         let unknowns = 8;
         let mut stream = Stream::new(seed, "held");

@@ -34,8 +34,7 @@ impl Site {
         }
     }
 
-    /// What to record where no variation of a recording that was made decides; `local` is whether all names
-    /// are of single moments.
+    /// What to record where no variation of a recording decides; `local`: all names are of single moments.
     pub fn ambiguous(self, local: bool) -> String {
         match (self, local) {
             (Site::Scalar, true) => "take an absolute measurement, or set another vector magnetometer beside it: the magnitude of the field does not show in which axis a step or a spike was"
@@ -48,75 +47,50 @@ impl Site {
 
     /// What to record where structure that follows a covariate has no name.
     pub fn unexplained(self, covariate: &str) -> String {
-        if covariate == "time_s" {
-            return self.of_time().into();
-        }
-        if covariate.contains("temperature") {
-            return self.of_temperature().into();
-        }
+        let [of_time, of_temperature, of_field] = ADVICE[self as usize];
         let across = covariates::is_across(covariate);
-        if across || covariate.contains(ALONG) {
-            return self.of_field(across).into();
-        }
-        match self {
-            Site::Coils => format!("change {covariate} alone, with the drive held"),
-            _ => format!("change {covariate} alone, everything else constant"),
-        }
-    }
-
-    fn of_time(self) -> &'static str {
-        match self {
-            Site::Coils => {
-                "repeat the recording at another hour with all temperatures recorded and the drive held: an effect of time alone recurs at the same time after switching on"
-            }
-            Site::Orbit => {
-                "record another day of orbits with all temperatures and currents in the telemetry: an effect of the orbit recurs with it, a drift does not"
-            }
-            Site::Scalar => {
-                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the magnitude of the field alone does not show what drifts"
-            }
-            Site::Alone => {
-                "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone cannot separate its drift from that of the field"
-            }
-        }
-    }
-
-    fn of_temperature(self) -> &'static str {
-        match self {
-            Site::Coils => "ramp that temperature up and down at two rates with everything else held",
-            Site::Orbit => {
-                "record orbits of another season, with other shadows and loads: that temperature then no longer follows the field"
-            }
-            Site::Scalar => {
-                "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet"
-            }
-            Site::Alone => {
-                "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the field has a daily variation as well"
-            }
-        }
-    }
-
-    fn of_field(self, across: bool) -> &'static str {
-        match (self, across) {
-            (Site::Coils, true) => {
-                "drive the coil transverse to the sensor up and down with the others at zero, in two orientations of the block"
-            }
-            (Site::Coils, false) => {
-                "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed"
-            }
-            (Site::Orbit, _) => {
-                "record orbits in which the satellite has another attitude (a roll, a yaw), so that the field lies along each axis in turn"
-            }
-            (Site::Scalar, _) => {
-                "turn the sensor slowly through all directions beside the scalar magnetometer; where it cannot be turned, record through a disturbed \
-                 day, when the field varies most"
-            }
-            (Site::Alone, _) => {
-                "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then cancel"
-            }
+        if covariate == "time_s" {
+            of_time.into()
+        } else if covariate.contains("temperature") {
+            of_temperature.into()
+        } else if across && self == Site::Coils {
+            ACROSS.into()
+        } else if across || covariate.contains(ALONG) {
+            of_field.into()
+        } else if self == Site::Coils {
+            format!("change {covariate} alone, with the drive held")
+        } else {
+            format!("change {covariate} alone, everything else constant")
         }
     }
 }
+
+/// What to record at each site where structure follows time, a temperature, the field.
+const ADVICE: [[&str; 3]; 4] = [
+    [
+        "repeat the recording at another hour with all temperatures recorded and the drive held: an effect of time alone recurs at the same time after switching on",
+        "ramp that temperature up and down at two rates with everything else held",
+        "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed",
+    ],
+    [
+        "record another day of orbits with all temperatures and currents in the telemetry: an effect of the orbit recurs with it, a drift does not",
+        "record orbits of another season, with other shadows and loads: that temperature then no longer follows the field",
+        "record orbits in which the satellite has another attitude (a roll, a yaw), so that the field lies along each axis in turn",
+    ],
+    [
+        "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the magnitude of the field alone does not show what drifts",
+        "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet",
+        "turn the sensor slowly through all directions beside the scalar magnetometer; where it cannot be turned, record through a disturbed day, when the field varies most",
+    ],
+    [
+        "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone cannot separate its drift from that of the field",
+        "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the field has a daily variation as well",
+        "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then cancel",
+    ],
+];
+
+/// The same in coils, where structure follows the field across the sensor.
+const ACROSS: &str = "drive the coil transverse to the sensor up and down with the others at zero, in two orientations of the block";
 
 #[cfg(test)]
 mod tests {
@@ -126,10 +100,10 @@ mod tests {
     fn what_follows_a_field_asks_for_other_directions() {
         let across = covariates::across(common::Axis::Y);
         for site in [Site::Coils, Site::Orbit, Site::Scalar, Site::Alone] {
-            for covariate in [across.clone(), format!("the past of {across}")] {
-                assert_eq!(site.unexplained(&covariate), site.of_field(true));
-            }
-            assert_eq!(site.unexplained(&format!("the past of {ALONG}")), site.of_field(false));
+            let [now, past] = [&across, &format!("the past of {across}")].map(|name| site.unexplained(name));
+            let along = [ALONG, &format!("the past of {ALONG}")].map(|name| site.unexplained(name));
+            assert!(now == past && along[0] == along[1]);
+            assert_eq!(now != along[0], site == Site::Coils);
         }
     }
 

@@ -31,7 +31,6 @@ impl Channel {
         }
     }
 
-    /// The derivative of that, from the prediction and its derivative.
     pub fn derivative(&self, basic: &Basic, prediction: &Prediction, derivative: &Prediction) -> Vec<f64> {
         let rows = self.rows.iter();
         match self.reader {
@@ -49,18 +48,15 @@ impl Channel {
 /// All recordings that can be predicted.
 #[derive(Clone, Debug)]
 pub struct Observed<'a> {
-    /// The recordings.
+    pub document: &'a Document,
     pub runs: Vec<Run<'a>>,
-    /// Their channels, run by run.
     pub channels: Vec<Channel>,
-    /// Readings of all channels.
     pub rows: usize,
     /// What was left aside, in words.
     pub notes: Vec<String>,
 }
 
 impl<'a> Observed<'a> {
-    /// Names of all columns, in order.
     pub fn columns(&self) -> BTreeSet<String> {
         self.runs.iter().flat_map(|run| run.recording.columns.keys().cloned()).collect()
     }
@@ -76,7 +72,8 @@ impl<'a> Observed<'a> {
     /// Reads a document. Two instruments side by side are not among it: `beside` answers of these.
     pub fn of(document: &'a Document) -> Result<Self, Error> {
         let references = References::of(document);
-        let mut observed = Observed { runs: Vec::new(), channels: Vec::new(), rows: 0, notes: Vec::new() };
+        let mut observed =
+            Observed { document, runs: Vec::new(), channels: Vec::new(), rows: 0, notes: Vec::new() };
         for (index, recording) in document.recordings.iter().enumerate() {
             let path = format!("recordings[{index}]");
             if recording.procedure == procedure::DIFFERENTIAL {
@@ -105,7 +102,10 @@ impl<'a> Observed<'a> {
             let time_s = times.ok().filter(|time| !time.is_empty());
             let run = Run { recording, path, setting, time_s, smooth: Vec::new() };
             if magnitude::alone(&run) {
-                observed.notes.push(magnitude::unseen(&recording.id));
+                observed.notes.push(format!(
+                    "\"{}\" is compared with the magnitude of the field alone: a common rotation of all sensors and disturbances transverse to the field are not observable. They need the field's direction, from the attitude and a field model",
+                    recording.id
+                ));
                 observed.runs.push(run);
                 observed.add_magnitude()?;
             } else {
@@ -119,13 +119,11 @@ impl<'a> Observed<'a> {
     fn add(&mut self, run: Run<'a>) -> Result<(), Error> {
         let Setting { basic, context } = &run.setting;
         let prediction = physics::predict(basic, &[], context).map_err(|error| error.at(&run.path))?;
-        let mut found: Vec<(Reader, String, f64)> = Axis::ALL
-            .into_iter()
-            .map(|axis| {
-                let to_nt = basic.sensors[axis.index()].sensitivity;
-                (Reader::Sensor(axis), format!("sensor_{axis}_{}", context.unit.suffix()), to_nt)
-            })
-            .collect();
+        let of = |axis: Axis| {
+            let to_nt = basic.sensors[axis.index()].sensitivity;
+            (Reader::Sensor(axis), format!("sensor_{axis}_{}", context.unit.suffix()), to_nt)
+        };
+        let mut found: Vec<(Reader, String, f64)> = Axis::ALL.map(of).to_vec();
         if run.recording.procedure == procedure::COIL_CONSTANT {
             found.push((Reader::Scalar, "reference_nt".into(), 1.0));
         }
@@ -158,7 +156,6 @@ impl<'a> Observed<'a> {
         Ok(())
     }
 
-    /// Adds the magnitude of the last run.
     fn add_magnitude(&mut self) -> Result<(), Error> {
         let at = self.runs.len() - 1;
         let found = magnitude::channel(&mut self.runs[at], at, self.rows)?;
@@ -184,7 +181,6 @@ impl<'a> Observed<'a> {
         (to > from).then_some((from, to - from))
     }
 
-    /// The channels of a run.
     pub fn channels_of(&self, run: usize) -> impl Iterator<Item = &Channel> {
         self.channels.iter().filter(move |channel| channel.run == run)
     }
@@ -200,11 +196,9 @@ fn nothing(document: &Document) -> Error {
     let of = |recording: &Recording| {
         let readings =
             |values: &[f64]| counted(values.iter().filter(|value| value.is_finite()).count(), "reading");
-        let columns: Vec<String> = recording
-            .columns
-            .iter()
-            .map(|(name, values)| format!("`{name}` ({})", readings(values)))
-            .collect();
+        let columns = recording.columns.iter();
+        let columns: Vec<String> =
+            columns.map(|(name, values)| format!("`{name}` ({})", readings(values))).collect();
         let columns = if columns.is_empty() { "no column".into() } else { columns.join(", ") };
         format!("\"{}\" ({}) has {columns}", recording.id, recording.procedure)
     };

@@ -7,13 +7,12 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 
 use crate::Error;
-use crate::candidates::{Candidate, Kept, Trial};
+use crate::candidates::{Candidate, Kept, Shape};
 use crate::channel::Run;
 use crate::generic;
-use crate::model::{Model, State};
-use crate::proposal::{Addition, Proposal};
+use crate::model::{Model, State, amplitudes};
+use crate::proposal::{Addition, Proposal, What};
 use crate::stacked::Stacked;
-use crate::what::What;
 
 /// Shapes that are tried: each so many times the one before, at most.
 const RATIO: f64 = 2.5;
@@ -39,17 +38,13 @@ const SPANS: f64 = 3.0;
 /// Candidates and their columns, nT, stacked.
 #[derive(Clone, Debug, Default)]
 pub struct Pool {
-    /// The candidates.
     pub candidates: Vec<Candidate>,
-    /// The columns.
     pub columns: Vec<Stacked>,
-    /// Effects that are not considered.
     pub without: Vec<Kind>,
 }
 
 impl Pool {
-    /// All that can act in the recordings of a model, some effects apart. What was screened out keeps its number, without
-    /// a shape that is tried.
+    /// All that can act, some effects apart. What was screened out keeps its number, without a shape.
     pub fn of(
         model: &Model<'_>,
         state: &State,
@@ -63,10 +58,8 @@ impl Pool {
             Some(kept) => kept.shapes_of(&What::Physics(effect.clone())),
             None => shapes(effect, &scale),
         };
-        let made: Vec<Option<Made>> = templates
-            .par_iter()
-            .map(|effect| make(model, state, effect, tried(effect)))
-            .collect::<Result<_, Error>>()?;
+        let made = templates.par_iter().map(|effect| make(model, state, effect, tried(effect)));
+        let made: Vec<Option<Made>> = made.collect::<Result<_, Error>>()?;
         let mut pool = Pool { without: without.to_vec(), ..Self::default() };
         for (effect, made) in templates.into_iter().zip(made) {
             if let Some((finite, trials)) = made {
@@ -97,24 +90,22 @@ impl Pool {
 
     /// For each column the first of its trial.
     pub fn groups(&self) -> Vec<usize> {
-        let trials = self.candidates.iter().flat_map(|candidate| &candidate.trials);
-        trials.flat_map(|trial| trial.columns.iter().map(|_| trial.columns[0])).collect()
+        let shapes = self.candidates.iter().flat_map(|candidate| &candidate.shapes);
+        shapes.flat_map(|shape| shape.columns.iter().map(|_| shape.columns[0])).collect()
     }
 
     fn push(&mut self, what: What, finite: bool, trials: Vec<Tried>) {
-        let trials: Vec<Trial> = trials
-            .into_iter()
-            .filter(|(.., columns)| {
-                columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero)
-            })
-            .map(|(shape, fuller, columns)| {
+        let mut shapes = Vec::new();
+        for (value, form, columns) in trials {
+            if columns.iter().all(Stacked::is_finite) && !columns.iter().all(Stacked::is_zero) {
                 let at = self.columns.len();
                 self.columns.extend(columns);
-                Trial { shape, fuller, columns: (at..self.columns.len()).collect() }
-            })
-            .collect();
-        if !trials.is_empty() {
-            self.candidates.push(Candidate { what, finite, tried: trials.len(), trials });
+                let columns = (at..self.columns.len()).collect();
+                shapes.push(Shape { value, form, columns, by_shape: Vec::new() });
+            }
+        }
+        if !shapes.is_empty() {
+            self.candidates.push(Candidate { what, finite, tried: shapes.len(), shapes });
         }
     }
 }
@@ -154,14 +145,9 @@ impl Scale {
                 span = span.max(time[time.len() - 1] - time[0]);
             }
         }
-        let readings: Vec<f64> = model
-            .observed
-            .channels
-            .iter()
-            .flat_map(|channel| channel.readings.iter().map(|reading| reading * channel.to_nt))
-            .collect();
-        let (low, high) =
-            readings.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(*r), h.max(*r)));
+        let channels = model.observed.channels.iter();
+        let readings = channels.flat_map(|channel| channel.readings.iter().map(|y| y * channel.to_nt));
+        let (low, high) = readings.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), r| (l.min(r), h.max(r)));
         let sensor =
             |run: &Run<'_>| run.setting.context.optional(Thermometer::Sensor.column()).map(Cow::into_owned);
         let warmth: Vec<f64> = model.observed.runs.iter().filter_map(sensor).flatten().collect();
@@ -205,7 +191,7 @@ impl Scale {
             let step = self.step_s.max(info.high / SPAN_STEPS);
             return (0..=(info.high / step) as usize).map(|k| k as f64 * step).collect();
         }
-        let sized = kind.parameters().iter().any(|info| info.role == Role::Amplitude);
+        let sized = !amplitudes(kind).is_empty();
         let ratio = if sized { RATIO } else { FINE_RATIO };
         let count = ((high / low).ln() / ratio.ln()).ceil().clamp(1.0, (SHAPES - 1) as f64);
         let grid = (0..=count as usize).map(|k| low * (high / low).powf(k as f64 / count));
@@ -332,7 +318,7 @@ fn make(
 ) -> Result<Option<Made>, Error> {
     let Some((value, _)) = tried.first() else { return Ok(None) };
     let shape = searched(template.kind);
-    let finite = template.kind.parameters().iter().all(|info| info.role != Role::Amplitude);
+    let finite = amplitudes(template.kind).is_empty();
     let at = |effect: &EffectInstance, value: &Option<f64>| {
         let mut effect = effect.clone();
         if let (Some(at), Some(value)) = (shape, value) {

@@ -15,7 +15,6 @@ use crate::whitening::NoiseModel;
 /// products, of which few are asked for.
 #[derive(Clone, Debug)]
 pub struct Products {
-    /// For each channel its rows in the stack.
     ranges: Vec<Range<usize>>,
     /// For each channel the columns that are something in it, as they came.
     parts: Vec<Vec<Arc<Part>>>,
@@ -33,7 +32,6 @@ struct Part {
 }
 
 impl Products {
-    /// None yet.
     pub fn of(observed: &Observed<'_>) -> Self {
         let ranges: Vec<Range<usize>> = observed.channels.iter().map(|channel| channel.range()).collect();
         let channels = ranges.len();
@@ -102,10 +100,8 @@ impl Products {
             let places = &mut self.places[channel];
             places.resize(from + count, None);
             let numbers: Vec<usize> = there.iter().map(|(number, _)| *number).collect();
-            numbers
-                .iter()
-                .enumerate()
-                .for_each(|(j, number)| places[*number] = Some((self.parts[channel].len(), j)));
+            let part = self.parts[channel].len();
+            numbers.iter().enumerate().for_each(|(j, number)| places[*number] = Some((part, j)));
             self.parts[channel].push(Arc::new(Part { numbers, values }));
         }
     }
@@ -137,7 +133,6 @@ impl Products {
         rows
     }
 
-    /// A whitened column.
     pub fn column(&self, number: usize) -> Stacked {
         let part = |channel: usize| self.part(channel, number).map(<[f64]>::to_vec);
         Stacked::new((0..self.ranges.len()).map(part).collect())
@@ -168,17 +163,14 @@ impl Products {
         (*first, row)
     }
 
-    /// For each channel its rows in the stack.
     pub fn ranges(&self) -> &[Range<usize>] {
         &self.ranges
     }
 
-    /// The squared length of a column.
     pub fn square(&self, column: usize) -> f64 {
         self.gram[column].1.last().copied().unwrap_or(0.0)
     }
 
-    /// How many columns there are.
     pub fn len(&self) -> usize {
         self.places.first().map_or(0, Vec::len)
     }

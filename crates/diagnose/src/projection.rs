@@ -18,14 +18,12 @@ const DRAWS: usize = 399;
 const DRAWN: usize = 6000;
 const STRETCH: usize = 60;
 
-/// The projection, and what it leaves.
 #[derive(Clone, Debug)]
 pub struct Projection {
     /// An orthonormal basis of the fit's derivatives, then the residual.
     onto: Arc<Mat<f64>>,
     /// The residual along the basis, then its square.
     residual: Vec<f64>,
-    /// The same for each column.
     columns: Vec<Vec<f64>>,
 }
 
@@ -38,12 +36,8 @@ impl Projection {
     pub fn of(fit: &Fit) -> Result<Self, Error> {
         let basis = orthonormal(&fit.jacobian)?;
         let rank = basis.ncols();
-        let onto =
-            Mat::from_fn(
-                fit.white.len(),
-                rank + 1,
-                |i, j| if j < rank { basis[(i, j)] } else { fit.white[i] },
-            );
+        let onto = |i: usize, j: usize| if j < rank { basis[(i, j)] } else { fit.white[i] };
+        let onto = Mat::from_fn(fit.white.len(), rank + 1, onto);
         let residual = (0..=rank).map(|j| dot(onto.col_as_slice(j), &fit.white)).collect();
         Ok(Self { onto: Arc::new(onto), residual, columns: Vec::new() })
     }
@@ -109,11 +103,8 @@ impl Projection {
             let along = errors.transpose() * &columns;
             for (j, column) in there.iter().enumerate() {
                 drawn[*column] += columns.col(j).squared_norm_l2();
-                draws
-                    .col_as_slice_mut(*column)
-                    .iter_mut()
-                    .zip(along.col_as_slice(j))
-                    .for_each(|(d, a)| *d += a);
+                let own = draws.col_as_slice_mut(*column).iter_mut();
+                own.zip(along.col_as_slice(j)).for_each(|(d, a)| *d += a);
             }
             let basis = Mat::from_fn(rows.len(), rank, |i, k| self.onto[(range.start + rows[i], k)]);
             taken += basis.transpose() * errors;

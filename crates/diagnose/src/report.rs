@@ -3,58 +3,46 @@
 mod detectable;
 mod effects;
 mod energy;
-mod guilty;
 mod places;
 mod residuals;
-mod rivals;
 mod series;
 mod unnamed;
 
 use common::number::{bare, p_value, probability, significant};
-use common::{Diagnosis, Document, ExplainedEffect, Remaining, Residual, Share, Verdict};
+use common::{Diagnosis, ExplainedEffect, Remaining, Residual, Share, Verdict};
+use std::collections::BTreeSet;
 
 use crate::covariates;
-use crate::fit::Fitter;
-use crate::model::Model;
+use crate::model::named;
 use crate::next::Site;
 use crate::search::Searcher;
-use crate::what::{What, named};
-use crate::{Error, NamedEffect, Options, Outcome, experiment, moved, plain};
+use crate::{Error, NamedEffect, Outcome, experiment, moved, plain};
 
 pub use detectable::of_all as detectable_of_all;
-pub use effects::quantities;
+pub use effects::{described, quantities};
 pub use residuals::fit;
+pub use series::Drawn;
 
-/// The entry of a document.
-pub fn report(
-    document: &Document,
-    model: &Model<'_>,
-    searcher: &mut Searcher,
-    outcome: &Outcome,
-    fit: Residual,
-    options: &Options,
-) -> Result<Diagnosis, Error> {
-    let rest = outcome.last.rest;
+pub fn report(searcher: &mut Searcher<'_, '_>, outcome: &Outcome, fit: Residual) -> Result<Diagnosis, Error> {
+    let (model, level) = (searcher.model, searcher.level);
+    let rest = outcome.now.look.rest;
     let omnibus = rest.omnibus();
-    let left = outcome.verdict != Verdict::Agrees && !outcome.last.clean(options.level);
+    let left = outcome.verdict != Verdict::Agrees && !outcome.now.look.clean(level);
     let equal: Vec<&NamedEffect> = outcome.found.iter().filter(|found| !found.equal.is_empty()).collect();
     let verdict = outcome.verdict;
-    let fitter = Fitter { model, noise: &outcome.noise };
-    let mut effects = effects::explained(model, outcome, &fitter)?;
+    let mut effects = effects::explained(model, outcome)?;
     let labels: Vec<String> = effects.iter().map(ExplainedEffect::label).collect();
     effects.sort_by(|a, b| b.held_out_gain_nt.total_cmp(&a.held_out_gain_nt));
-    let structure = places::structure(outcome, options);
+    let structure = places::structure(outcome, level);
     let mut places: Vec<Share> =
         outcome.found.iter().enumerate().map(|(k, _)| places::share(model, outcome, k)).collect();
     if left {
-        places.extend(places::nameless_share(outcome, options));
+        places.extend(places::nameless_share(outcome, level));
     }
-    let mut recordings: Vec<String> =
+    let recordings: BTreeSet<String> =
         places.iter().flat_map(|share| share.recordings.iter().cloned()).collect();
-    recordings.sort();
-    recordings.dedup();
     let experiments = match verdict {
-        Verdict::Ambiguous => experiment::experiments(document, model, outcome)?,
+        Verdict::Ambiguous => experiment::experiments(model, outcome)?,
         _ => Vec::new(),
     };
     let site = Site::of(&model.observed);
@@ -66,31 +54,28 @@ pub fn report(
             Some(if words.is_empty() { site.ambiguous(local) } else { words.join("; ") })
         }
         Verdict::Unexplained | Verdict::PartlyExplained => {
-            outcome.last.structures.first().map(|s| match &s.what {
-                What::Smooth { covariate, .. } => site.unexplained(covariate),
-                What::Physics(_) => String::new(),
-            })
+            outcome.now.look.structures.first().map(|first| site.unexplained(&first.covariate))
         }
         _ => None,
     };
-    let first = outcome.first.rest.omnibus();
+    let first = outcome.base.look.rest.omnibus();
     let in_words = |p: Option<f64>| p.map_or("not declared".to_string(), p_value);
     let mut reasons = vec![
         format!(
             "sum of squares per degree of freedom {} after refitting the calibration ({}), {} with the effects found ({})",
-            significant(outcome.first.rest.sum_of_squares / outcome.first.rest.freedom, 4),
+            significant(outcome.base.look.rest.sum_of_squares / outcome.base.look.rest.freedom, 4),
             in_words(first),
             significant(rest.sum_of_squares / rest.freedom, 4),
             in_words(omnibus)
         ),
         format!(
             "probability by chance of the most significant structure: {} before, {} after; level {}",
-            probability(outcome.first.least_p),
-            probability(outcome.last.least_p),
-            bare(options.level)
+            probability(outcome.base.look.least_p),
+            probability(outcome.now.look.least_p),
+            bare(level)
         ),
     ];
-    if verdict == Verdict::Agrees && rest.is_larger(options.level) {
+    if verdict == Verdict::Agrees && rest.is_larger(level) {
         let ratio = (rest.sum_of_squares / rest.freedom).sqrt();
         reasons.push(format!(
             "the residuals show no structure, but scatter {} times as much as the declared noise: correct the declaration",
@@ -100,8 +85,8 @@ pub fn report(
     if left {
         reasons.extend(outcome.refused.iter().map(|(name, why)| format!("rejected {name}: {why}")));
     }
-    for (number, effect) in outcome.base.state.effects.iter().enumerate() {
-        if !outcome.base.state.acts[number].contains(&true) {
+    for (number, effect) in outcome.base.fit.state.effects.iter().enumerate() {
+        if !outcome.base.fit.state.acts[number].contains(&true) {
             let name = named(effect);
             reasons.push(format!(
                 "note: {name} of model.effects acts in no recording: what it needs was not recorded"
@@ -111,8 +96,8 @@ pub fn report(
     reasons.extend(model.observed.notes.iter().map(|note| format!("note: {note}")));
     reasons.extend(outcome.notes.iter().map(|note| format!("note: {note}")));
     reasons.extend(plain::reasons(&fit));
-    let guilty = guilty::guilty(model, &places);
-    let fields = covariates::fields(model, &outcome.fit.state)?;
+    let guilty = places::guilty(model, &places);
+    let fields = covariates::fields(model, &outcome.now.fit.state)?;
     let energy =
         if places.is_empty() { Vec::new() } else { energy::energy(model, outcome, &guilty, &fields)? };
     let ambiguity = equal
@@ -123,7 +108,7 @@ pub fn report(
     Ok(Diagnosis {
         verdict,
         reasons,
-        recordings,
+        recordings: recordings.into_iter().collect(),
         places,
         series: series::series(model, outcome, &labels, &guilty, &fields)?,
         effects,
@@ -133,11 +118,11 @@ pub fn report(
         fit: Some(fit),
         energy,
         base_shift: moved::shifts(model, outcome),
-        detectable: detectable::detectable(searcher, outcome, &fitter, options)?,
+        detectable: detectable::detectable(searcher, outcome)?,
         remaining: Some(Remaining {
             white: !left,
             p_value: omnibus,
-            p_adjusted: outcome.last.least_p,
+            p_adjusted: outcome.now.look.least_p,
             structure,
         }),
         next_experiment,

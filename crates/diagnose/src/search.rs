@@ -1,6 +1,6 @@
 //! A look at what a fit has left: which candidates stand out of it, and how probable that is by chance.
 
-use common::Detectable;
+use common::{Axis, Detectable};
 use estimate::screen::{Chance, Screen, Search};
 use noise::Stream;
 use physics::EffectInstance;
@@ -13,14 +13,15 @@ use crate::events;
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::lines::{self, Line};
-use crate::model::State;
+use crate::model::named;
+use crate::model::{Model, State};
 use crate::pool::Pool;
 use crate::products::Products;
 use crate::projection::Projection;
+use crate::proposal::What;
 use crate::proposal::{Addition, Proposal};
-use crate::what::{What, named};
 use crate::whitening::NoiseModel;
-use crate::{Error, Options};
+use crate::{Error, Ground, Options};
 
 /// So many candidates of each look are kept, those that are worth most.
 const STRIKING: usize = 12;
@@ -28,25 +29,27 @@ const STRIKING: usize = 12;
 /// Families of candidates that are searched apart: grids, lines, events, codes, the size of what is left.
 const FAMILIES: f64 = 5.0;
 
-/// Structure that smooth functions find.
 #[derive(Clone, Debug)]
 pub struct Structure {
-    /// What follows what.
-    pub what: What,
+    /// What the sensor follows.
+    pub covariate: String,
+    pub axis: Axis,
     /// The shape at which it does so best.
     pub shape: Option<f64>,
     /// Probability by chance, all families.
     pub p_adjusted: f64,
-    /// By how much it lowers the sum of squares.
     pub gain: f64,
-    /// Its unknowns.
     pub unknowns: f64,
 }
 
-/// A name that stands out.
+impl Structure {
+    pub fn name(&self) -> String {
+        What::Smooth { covariate: self.covariate.clone(), axis: self.axis }.name()
+    }
+}
+
 #[derive(Clone, Debug)]
 pub struct Striking {
-    /// The name with its target.
     pub name: String,
     /// Probability by chance within its family, the search included.
     pub p: f64,
@@ -54,7 +57,6 @@ pub struct Striking {
     worth: f64,
 }
 
-/// What one look at a residual gave.
 #[derive(Clone, Debug)]
 pub struct Look {
     /// What is left before anything comes in.
@@ -65,7 +67,6 @@ pub struct Look {
     pub events: Vec<Proposal>,
     /// What follows smooth functions of something, the most striking first.
     pub structures: Vec<Structure>,
-    /// The strongest line.
     pub line: Option<Line>,
     /// Smallest probability of all, families counted.
     pub least_p: f64,
@@ -83,9 +84,10 @@ impl Look {
     }
 }
 
-/// A search over one pool of candidates.
-pub struct Searcher {
-    /// The candidates with their columns.
+pub struct Searcher<'m, 'a> {
+    pub model: &'m Model<'a>,
+    /// Hears what is being done.
+    pub told: &'m dyn Fn(&str),
     pub pool: Arc<Pool>,
     /// The products of the pool's columns, and the noise that whitened them.
     white: Option<(NoiseModel, Products)>,
@@ -96,16 +98,16 @@ pub struct Searcher {
     pub level: f64,
     /// Candidates of all sets that were weighed, and what stood out, each with its shapes.
     pub kept: BTreeMap<usize, BTreeSet<usize>>,
-    /// The shapes to which fits came.
     pub shapes: Vec<EffectInstance>,
     /// What all could have shown, where a search on some of the rows went before.
     pub detectable: Option<Vec<Detectable>>,
 }
 
-impl Searcher {
-    /// Over a pool.
-    pub fn new(pool: Pool, options: &Options) -> Self {
+impl<'m, 'a> Searcher<'m, 'a> {
+    pub fn new(model: &'m Model<'a>, pool: Pool, options: &Options, told: &'m dyn Fn(&str)) -> Self {
         Self {
+            model,
+            told,
             pool: pool.into(),
             white: None,
             chance: None,
@@ -130,11 +132,11 @@ impl Searcher {
     }
 
     /// The probability of one shape of a candidate at which it is claimed.
-    pub fn threshold(&self, candidate: usize, level: f64) -> f64 {
-        self.chance.as_ref().map_or(level, |chance| chance.threshold(candidate, level / FAMILIES))
+    pub fn threshold(&self, candidate: usize) -> f64 {
+        let of = |chance: &Chance| chance.threshold(candidate, self.level / FAMILIES);
+        self.chance.as_ref().map_or(self.level, of)
     }
 
-    /// The products of the pool's columns.
     pub fn products(&mut self, fitter: &Fitter<'_, '_>) -> &Products {
         let noise = fitter.noise;
         let kept = self.white.take().filter(|(known, _)| noise.same(known));
@@ -168,7 +170,6 @@ impl Searcher {
         Ok((line, found))
     }
 
-    /// What may have happened at moments.
     pub fn moments(&self, fitter: &Fitter<'_, '_>, fit: &Fit, rest: &Rest) -> Result<Vec<Proposal>, Error> {
         let mut found = events::proposals(fitter, fit, rest)?;
         found.retain(|proposal| self.counts(proposal));
@@ -180,15 +181,17 @@ impl Searcher {
         self.pool.considers(proposal) && at_least_one(proposal.p, FAMILIES) < self.level
     }
 
+    /// A fit with what stands out of it.
+    pub fn ground(&mut self, fit: Fit, noise: NoiseModel) -> Result<Ground, Error> {
+        let look = self.look(&Fitter { model: self.model, noise: &noise }, &fit)?;
+        Ok(Ground { fit, noise, look, codes: Vec::new() })
+    }
+
     /// Searches what a fit has left.
-    pub fn look(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Look, Error> {
+    fn look(&mut self, fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Look, Error> {
         let (projection, screen) = self.screen(fitter, fit)?;
-        let searches: Vec<Search> = self
-            .pool
-            .candidates
-            .iter()
-            .map(|candidate| candidate.trials.iter().map(|trial| trial.columns.clone()).collect())
-            .collect();
+        let of = |candidate: &Candidate| candidate.shapes.iter().map(|shape| shape.columns.clone()).collect();
+        let searches: Vec<Search> = self.pool.candidates.iter().map(of).collect();
         if self.chance.is_none() {
             let mut stream = Stream::new(self.seed, "diagnose/chance");
             let draws = projection.draws(self.products(fitter), &mut stream);
@@ -223,7 +226,7 @@ impl Searcher {
                 }
             }
             let Some((p, gain, rank, trial)) = best else { continue };
-            let shape = candidate.trials[trial].shape;
+            let shape = candidate.shapes[trial].value;
             let chance =
                 self.chance.as_ref().map_or(1.0, |chance| chance.adjusted(chance.searched(number, p)));
             striking.push((gain - rank as f64 * log_rows, number, trial));
@@ -232,10 +235,12 @@ impl Searcher {
                 continue;
             }
             match &candidate.what {
-                What::Smooth { .. } => {
-                    let (what, p_adjusted) = (candidate.what.clone(), families(chance));
-                    structures.push(Structure { what, shape, p_adjusted, gain, unknowns: rank as f64 });
+                What::Smooth { covariate, axis } => {
+                    let (covariate, p_adjusted, unknowns) =
+                        (covariate.clone(), families(chance), rank as f64);
+                    structures.push(Structure { covariate, axis: *axis, shape, p_adjusted, gain, unknowns });
                 }
+                What::Event(_) => {}
                 What::Physics(effect) => {
                     // What an effect without amplitude does at a shape must be what is seen, and not its
                     // opposite.
@@ -272,10 +277,9 @@ impl Searcher {
     }
 }
 
-/// Whether a state holds a candidate's effect already.
 fn already(state: &State, candidate: &Candidate) -> bool {
     match &candidate.what {
         What::Physics(effect) => state.effects.iter().any(|other| named(other) == named(effect)),
-        What::Smooth { .. } => false,
+        _ => false,
     }
 }

@@ -1,6 +1,5 @@
 //! Which sets of effects and structures have the evidence: a beam search, then members dropped and swapped.
 
-mod admissible;
 mod figures;
 
 use estimate::screen::Screen;
@@ -8,12 +7,14 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 use crate::atoms::{Atom, Atoms};
+use crate::candidates::Shape;
 use crate::decide::{BEAM, DEPTH, FORM};
 use crate::evidence::{Block, Further, Given, Term, energy};
 use crate::form::{self, Followed};
 use crate::level::Rest;
 use crate::products::Products;
 use crate::projection::Projection;
+use crate::stacked::Stacked;
 use crate::whitening::NoiseModel;
 
 /// Names and structures that are tried with their forms at each step.
@@ -31,14 +32,10 @@ const VISIBLE: f64 = 1e-6;
 /// What neighbouring shapes do may have this share of the contribution: half the way there.
 const NEIGHBOUR: f64 = 0.5;
 
-/// An atom in a set.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Member {
-    /// Number of the atom.
     pub atom: usize,
-    /// Number of its shape.
     pub shape: usize,
-    /// Standard deviations of its coefficients beforehand.
     deviations: Vec<f64>,
     /// ln of the probability of atom, shape and size beforehand.
     log_prior: f64,
@@ -48,10 +45,8 @@ pub struct Member {
     log_forms: f64,
 }
 
-/// A set with its evidence and prior.
 #[derive(Clone, Debug, Default)]
 pub struct Set {
-    /// Its members.
     pub members: Vec<Member>,
     /// ln of its probability, up to a constant.
     pub log: f64,
@@ -65,7 +60,6 @@ impl Set {
         key
     }
 
-    /// Its members but for one.
     fn without(&self, number: usize) -> Vec<Member> {
         let mut members = self.members.clone();
         members.remove(number);
@@ -83,9 +77,8 @@ struct Places {
     energy: f64,
 }
 
-/// The search over sets.
 pub struct Sets<'s, 'm, 'a> {
-    atoms: &'s Atoms<'s>,
+    pub atoms: &'s Atoms<'s>,
     noise: &'s NoiseModel,
     products: Products,
     projection: Projection,
@@ -109,6 +102,14 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         let rest =
             Rest { sum_of_squares: screen.sum_of_squares(), freedom: screen.freedom(), known: noise.known };
         Self { atoms, noise, products, projection, followed, rest, screen, forms: HashMap::new() }
+    }
+
+    pub fn atom(&self, member: &Member) -> &'s Atom {
+        &self.atoms.all[member.atom]
+    }
+
+    pub fn shape(&self, member: &Member) -> &'s Shape {
+        &self.atom(member).shapes[member.shape]
     }
 
     /// The sets that were weighed, the empty one and that of some names among them, the most probable first.
@@ -174,17 +175,10 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         self.complete(sets);
         let found: Vec<Vec<(Member, Vec<f64>)>> = sets.iter().map(|set| self.promising(set)).collect();
         self.add_forms(found.iter().flatten());
-        let tried: Vec<Vec<Member>> = sets
-            .iter()
-            .zip(&found)
-            .flat_map(|(set, more)| {
-                more.iter().map(|(member, _)| {
-                    let mut members = set.members.clone();
-                    members.push(member.clone());
-                    members
-                })
-            })
-            .collect();
+        let larger = |set: &Set, member: &Member| [&set.members[..], std::slice::from_ref(member)].concat();
+        let tried = sets.iter().zip(&found);
+        let tried: Vec<Vec<Member>> =
+            tried.flat_map(|(set, more)| more.iter().map(|(member, _)| larger(set, member))).collect();
         let weighed: Vec<Set> =
             tried.into_par_iter().filter_map(|members| self.weighed(members, false)).collect();
         let mut all: HashMap<Vec<usize>, Set> = HashMap::new();
@@ -199,29 +193,25 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
     fn promising(&self, set: &Set) -> Vec<(Member, Vec<f64>)> {
         let Some(given) = Given::of(&self.screen, self.terms(&set.members)) else { return Vec::new() };
         let held = |number: usize, atom: &Atom| {
-            let same =
-                |member: &Member| member.atom == number || self.atoms.all[member.atom].name == atom.name;
+            let same = |member: &Member| member.atom == number || self.atom(member).name == atom.name;
             set.members.iter().any(same)
         };
         // What does nothing here is not carried on.
         let least = given.log_evidence(&self.rest, None) - IDLE;
-        let mut found: Vec<(f64, bool, Member, Vec<f64>)> = (0..self.atoms.all.len())
-            .into_par_iter()
-            .filter(|number| !held(*number, &self.atoms.all[*number]))
-            .filter_map(|number| {
-                let (log, member, coefficients) = self.alone(&given, number, least)?;
-                Some((log, self.atoms.all[number].is_named(), member, coefficients))
-            })
-            .collect();
-        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.2.atom.cmp(&b.2.atom)));
+        let others = (0..self.atoms.all.len()).into_par_iter();
+        let others = others.filter(|number| !held(*number, &self.atoms.all[*number]));
+        let mut found: Vec<(f64, Member, Vec<f64>)> =
+            others.filter_map(|number| self.alone(&given, number, least)).collect();
+        found.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.atom.cmp(&b.1.atom)));
         found.retain(|(log, ..)| *log > least);
-        let (names, structures): (Vec<_>, Vec<_>) = found.into_iter().partition(|(_, named, ..)| *named);
+        let (names, structures): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|(_, member, _)| self.atom(member).is_named());
         let some = names.into_iter().take(NAMES).chain(structures.into_iter().take(STRUCTURES));
-        some.map(|(_, _, member, coefficients)| (member, coefficients)).collect()
+        some.map(|(_, member, coefficients)| (member, coefficients)).collect()
     }
 
     /// Whether the coefficient of a finite effect's column is possible at a shape.
-    fn possible(&self, atom: &Atom, shape: usize, coefficient: f64) -> bool {
+    fn possible(atom: &Atom, shape: usize, coefficient: f64) -> bool {
         let [low, high] = ABOUT_ONE;
         let grid = atom.shapes.iter().filter(|shape| !shape.is_fitted()).count();
         let least = if shape == 0 || shape + 1 == grid { 0.0 } else { low };
@@ -263,16 +253,13 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                 let Some(further) = block.further(deviations) else { continue };
                 let log_prior = atom.log_prior + log_size - (atom.tried as f64).ln();
                 let log = given.log_evidence(&self.rest, Some(further)) + log_prior;
-                if atom.finite && !self.possible(atom, shape, block.coefficients(deviations)?[0]) {
+                if atom.finite && !Self::possible(atom, shape, block.coefficients(deviations)?[0]) {
                     continue;
                 }
                 logs.push(log);
                 if log.is_finite() && best.as_ref().is_none_or(|(most, ..)| log > *most) {
-                    let deviations = deviations.to_vec();
-                    let coefficients = block.coefficients(&deviations)?;
-                    let departs = Vec::new();
-                    let member =
-                        Member { atom: number, shape, deviations, log_prior, departs, log_forms: 0.0 };
+                    let (coefficients, deviations) = (block.coefficients(deviations)?, deviations.to_vec());
+                    let member = Member { atom: number, shape, deviations, log_prior, ..Member::default() };
                     best = Some((log, member, coefficients));
                 }
             }
@@ -306,22 +293,19 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
                 fresh.push((member, coefficients));
             }
         }
-        let made: Vec<(f64, form::Form)> = fresh
-            .par_iter()
-            .map(|(member, coefficients)| {
-                let atom = &self.atoms.all[member.atom];
-                let energy = energy(&self.screen, &atom.shapes[member.shape].columns, coefficients);
-                let orders = form::orders(energy);
-                (energy, self.followed.form(self.atoms, atom, member.shape, coefficients, orders))
-            })
-            .collect();
+        let of = |(member, coefficients): &(&Member, &[f64])| {
+            let energy = energy(&self.screen, &self.shape(member).columns, coefficients);
+            let (atom, orders) = (self.atom(member), form::orders(energy));
+            (energy, self.followed.form(self.atoms, atom, member.shape, coefficients, orders))
+        };
+        let made: Vec<(f64, form::Form)> = fresh.par_iter().map(of).collect();
         let mut raw = Vec::new();
-        let columns = |member: &Member| self.atoms.all[member.atom].shapes[member.shape].columns.clone();
-        let again: Vec<Vec<usize>> = fresh.iter().map(|(member, _)| columns(member)).collect();
+        let again: Vec<Vec<usize>> =
+            fresh.iter().map(|(member, _)| self.shape(member).columns.clone()).collect();
         let mut own = self.products.len();
         let mut begins = own + again.iter().map(Vec::len).sum::<usize>();
         for (((member, _), (energy, form)), columns) in fresh.iter().zip(made).zip(&again) {
-            let mut places = |columns: Vec<crate::stacked::Stacked>| {
+            let mut places = |columns: Vec<Stacked>| {
                 let from = begins;
                 begins += columns.len();
                 raw.extend(columns);
@@ -340,10 +324,9 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         }
     }
 
-    /// The columns of a member at its shape.
     fn columns(&self, member: &Member) -> &[usize] {
         let looked = self.forms.get(&(member.atom, member.shape));
-        looked.map_or(&self.atoms.all[member.atom].shapes[member.shape].columns, |places| &places.own)
+        looked.map_or(&self.shape(member).columns, |places| &places.own)
     }
 
     /// The form of a member, where it was looked at.
@@ -368,8 +351,7 @@ impl<'s, 'm, 'a> Sets<'s, 'm, 'a> {
         terms
     }
 
-    /// A set with how far its last member, or all, may depart from their forms at its best; None where none
-    /// is admissible.
+    /// A set with the best departures of its last member, or of all; None where none is admissible.
     fn weighed(&self, members: Vec<Member>, all: bool) -> Option<Set> {
         let mut set = Set { members, log: f64::NEG_INFINITY };
         let last = set.members.len();

@@ -40,12 +40,10 @@ impl Stacked {
         self.0[channel].as_deref()
     }
 
-    /// Whether it is zero throughout.
     pub fn is_zero(&self) -> bool {
         self.0.iter().all(Option::is_none)
     }
 
-    /// Whether all values are finite.
     pub fn is_finite(&self) -> bool {
         self.0.iter().flatten().all(|part| part.iter().all(|value| value.is_finite()))
     }
@@ -102,8 +100,7 @@ impl Stacked {
         Self::new(self.0.iter().enumerate().map(part).collect())
     }
 
-    /// The column times Chebyshev polynomials of something between −1 and 1 in each channel, each over its
-    /// order, from the first order on.
+    /// The column times Chebyshev polynomials of something from −1 to 1, each over its order, from the first on.
     pub fn times_polynomials(&self, orders: usize, of: impl Fn(usize) -> Option<Vec<f64>>) -> Vec<Self> {
         let channels = self.0.len();
         let mut all = vec![vec![None; channels]; orders];

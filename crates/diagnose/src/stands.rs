@@ -7,7 +7,6 @@
 //! not declared, the weights say what is determined and how well, and least squares say what the constants
 //! are. By how much the two are apart is part of the uncertainty.
 
-use common::Document;
 use faer::Mat;
 use physics::{EffectInstance, Role};
 
@@ -20,30 +19,23 @@ use crate::magnitude;
 use crate::model::{Model, State};
 use crate::whitening::NoiseModel;
 
-/// A sum of squares that is larger by no more than this share is as large: the rms of weighted fits is met to
-/// half of that.
+/// A sum of squares is as large up to this share: the rms of weighted fits is met to half of that.
 const AS_LARGE: f64 = 1e-4;
 
-/// Gives an outcome the fits that stand; the calibration stays as it came where one fitted again would leave
-/// more.
-pub fn standing(
-    document: &Document,
-    model: &Model<'_>,
-    start: &State,
-    outcome: &mut Outcome,
-) -> Result<(), Error> {
+/// Gives an outcome the fits that stand; the calibration stays as it came where a refit would leave more.
+pub fn standing(model: &Model<'_>, start: &State, outcome: &mut Outcome) -> Result<(), Error> {
     let most = square(&outcome.before) * (1.0 + AS_LARGE);
     // Where nothing was added there is one fit.
-    let same = outcome.found.is_empty() && outcome.fit.residual == outcome.base.residual;
-    let mut base = least(document, model, (&outcome.base, &outcome.base_noise))?;
+    let same = outcome.found.is_empty() && outcome.now.fit.residual == outcome.base.fit.residual;
+    let mut base = least(model, (&outcome.base.fit, &outcome.base.noise))?;
     if square(&base.residual) > most {
         outcome
             .notes
             .push("the stated calibration is kept, because refitting it would increase the residual".into());
-        base = Fitter { model, noise: &outcome.base_noise }.at(start)?;
+        base = outcome.base.fitter(model).at(start)?;
     }
-    outcome.fit = if same { base.clone() } else { least(document, model, (&outcome.fit, &outcome.noise))? };
-    outcome.base = base;
+    outcome.now.fit = if same { base.clone() } else { least(model, (&outcome.now.fit, &outcome.now.noise))? };
+    outcome.base.fit = base;
     if model.only_magnitudes() && worse_corrected(model, outcome) {
         outcome.without_names("its correction increases the difference from the scalar magnetometer");
     }
@@ -54,7 +46,7 @@ pub fn standing(
 /// magnetometer than corrected without them: an effect enters the fit by its part along the field, and one
 /// that is no small part of the field need not be met where the chain is solved for the field.
 fn worse_corrected(model: &Model<'_>, outcome: &Outcome) -> bool {
-    if outcome.fit.state.effects.len() == outcome.base.state.effects.len() {
+    if outcome.now.fit.state.effects.len() == outcome.base.fit.state.effects.len() {
         return false;
     }
     let left = |state: &State| -> Option<f64> {
@@ -66,24 +58,19 @@ fn worse_corrected(model: &Model<'_>, outcome: &Outcome) -> bool {
         };
         model.observed.channels.iter().map(of).sum()
     };
-    match (left(&outcome.base.state), left(&outcome.fit.state)) {
+    match (left(&outcome.base.fit.state), left(&outcome.now.fit.state)) {
         (Some(without), Some(with)) => with > without,
         (Some(_), None) => true,
         (None, _) => false,
     }
 }
 
-/// The fit by least squares where only magnitudes were recorded and their noise is not declared; else the weighted
-/// one.
-fn least(
-    document: &Document,
-    model: &Model<'_>,
-    (weighted, noise): (&Fit, &NoiseModel),
-) -> Result<Fit, Error> {
+/// The fit by least squares where there are only magnitudes of undeclared noise; else the weighted one.
+fn least(model: &Model<'_>, (weighted, noise): (&Fit, &NoiseModel)) -> Result<Fit, Error> {
     if noise.known > 0.0 || !model.only_magnitudes() {
         return Ok(weighted.clone());
     }
-    let (plain, _) = settled_white(document, model, &weighted.state)?;
+    let (plain, _) = settled_white(model, &weighted.state)?;
     let at = Fitter { model, noise }.at(&plain.state)?;
     let as_weighted = Fit { covariance: weighted.covariance.clone(), beyond: weighted.beyond.clone(), ..at };
     Ok(as_weighted.widened(&apart(model, weighted, &plain)))

@@ -1,25 +1,27 @@
 //! What the weighed sets say: which names, how sure, what share, and what the others lack.
 
 use common::number::{p_value, probability, significant};
-use common::{Axis, ExplainedFamily, Verdict};
-
+use common::{Axis, ExplainedFamily, Rival, Verdict};
 use estimate::stats::chi_squared_quantile;
+use physics::ParameterInfo;
+use std::collections::BTreeSet;
 
 use crate::additions::additions;
-use crate::atoms::{Atom, Atoms, Shape, Thing};
+use crate::atoms::{Atom, Atoms};
+use crate::candidates::Shape;
 use crate::decide::{AS_MUCH, EXPLAINED, NEGLIGIBLE, PARTLY, SURE, TEMPERATURE};
 use crate::families;
 use crate::level::{Rest, at_least_one};
-use crate::proposal::{Addition, Proposal};
+use crate::proposal::{Addition, Proposal, What};
 use crate::sets::{Member, Set, Sets};
 use crate::stacked::Stacked;
+use crate::{Alternative, NamedEffect};
 
 /// Most names that are told as undecided.
 const UNDECIDED: usize = 6;
 /// Probability by chance at which a further unknown of a fuller form is needed.
 const NEEDED: f64 = 0.01;
-/// Sets whose log probability is behind the best by no more may be fitted again with the calibration, and so
-/// many of them at most.
+/// Sets behind the best by no more, in log probability, may be fitted again, so many at most.
 const NEARLY: f64 = 15.0;
 const REFITTED: usize = 5;
 /// Share of single readings at edges of others from which they are a matter of these.
@@ -27,49 +29,13 @@ const AT_EDGES: f64 = 0.5;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
 
-/// A name that could stand in the place of another.
-#[derive(Clone, Debug)]
-pub struct Alternative {
-    /// The name with its target.
-    pub name: String,
-    /// What would come in.
-    pub additions: Vec<Addition>,
-}
-
-/// A name of the answer.
-#[derive(Clone, Debug)]
-pub struct Name {
-    /// The name with its target.
-    pub name: String,
-    /// What comes in.
-    pub additions: Vec<Addition>,
-    /// Whether it touches few rows.
-    pub local: bool,
-    /// Probability of the name.
-    pub probability: f64,
-    /// Probability of such a gain by chance, all that was searched counted.
-    pub p: f64,
-    /// Share of what can be explained.
-    pub share: f64,
-    /// Share of its energy by which it departs from its form.
-    pub departure: f64,
-    /// How far it may depart from its form, for each group of departures.
-    pub departs: Vec<f64>,
-    /// Names that explain as well.
-    pub equal: Vec<Alternative>,
-    /// Others, and why they lost.
-    pub lost: Vec<(String, String)>,
-}
-
 /// Structure of the best set that has no name.
 #[derive(Clone, Debug)]
 pub struct Unnamed {
     /// What it follows.
     pub covariate: String,
-    /// The sensor.
     pub axis: Axis,
-    /// A threshold of what it follows, or how far back it goes, in rows, where it follows the past of
-    /// something.
+    /// A threshold of what it follows, or how many rows back it goes where it follows a past.
     pub shape: Option<f64>,
     /// What it makes of each reading, nT.
     pub values: Stacked,
@@ -77,13 +43,11 @@ pub struct Unnamed {
     pub share: f64,
 }
 
-/// The answer of a search.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// What it comes to.
     pub verdict: Verdict,
     /// The names of the best set, one of each that are undecided.
-    pub names: Vec<Name>,
+    pub names: Vec<NamedEffect>,
     /// What looked like an answer, and why it is none.
     pub refused: Vec<(String, String)>,
     /// By how much its names lower the sum of squares where all is linear.
@@ -94,9 +58,7 @@ pub struct Answer {
     pub events: Vec<Proposal>,
     /// What other sets that are nearly as probable hold.
     pub rivals: Vec<Vec<Addition>>,
-    /// Structure of the best set.
     pub unnamed: Vec<Unnamed>,
-    /// The kinds of physics of the best set.
     pub families: Vec<ExplainedFamily>,
     /// Probability that nothing is there: the empty set against the best one, the evidence tempered.
     pub nothing: f64,
@@ -131,13 +93,12 @@ fn weights(ranked: &[Set]) -> Vec<f64> {
     raw.into_iter().map(|weight| weight / sum).collect()
 }
 
-/// The answer of ranked sets, the empty one among them.
-/// A name whose gain chance has too, at a level, is none.
-pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level: f64) -> Answer {
-    let rest = sets.rest;
+/// The answer of ranked sets, the empty one among them. A name that chance allows at a level is none.
+pub fn answer(sets: &Sets<'_, '_, '_>, ranked: &[Set], level: f64) -> Answer {
+    let (atoms, rest) = (sets.atoms, sets.rest);
     let weights = weights(ranked);
     let nothing = 1.0 / (1.0 + (ranked[0].log / TEMPERATURE).exp());
-    let best = simplest(atoms, sets, ranked, &ranked[0]);
+    let best = simplest(sets, ranked, &ranked[0]);
     let whole = rest.sum_of_squares;
     let all = sets.gain(&best.members);
     let beyond = rest.excess(whole - all);
@@ -146,7 +107,7 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
     let departures = sets.departures(&best.members);
     let ranks: Vec<usize> =
         best.members.iter().enumerate().map(|(k, _)| coefficients.get(k).map_or(1, Vec::len)).collect();
-    let (core, mut refused) = core(atoms, sets, (&best.members, &ranks), level);
+    let (core, mut refused) = core(sets, (&best.members, &ranks), level);
     let members = |which: &dyn Fn(&usize) -> bool| -> Vec<Member> {
         core.iter().filter(|number| which(number)).map(|number| best.members[*number].clone()).collect()
     };
@@ -157,9 +118,8 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
     let mut undecided = false;
     for &number in &core {
         let member = &best.members[number];
-        let atom = &atoms.all[member.atom];
-        if let Thing::Smooth(covariate, axis) = &atom.thing {
-            let shape = &atom.shapes[member.shape];
+        let (atom, shape) = (sets.atom(member), sets.shape(member));
+        if let What::Smooth { covariate, axis } = &atom.what {
             let columns = shape.columns.iter().map(|column| atoms.column(*column));
             unnamed.push(Unnamed {
                 covariate: covariate.clone(),
@@ -184,12 +144,12 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
             continue;
         };
         let equal: Vec<Alternative> =
-            equal.into_iter().map(|(atom, set)| alternative(atoms, sets, set, atom)).collect();
+            equal.into_iter().map(|(atom, set)| alternative(sets, set, atom)).collect();
         undecided |= !equal.is_empty();
         kept.push(number);
-        names.push(Name {
+        names.push(NamedEffect {
             name: atom.name.clone(),
-            additions: additions(&atom.thing, &atom.shapes[member.shape], &coefficients[number]),
+            additions: additions(&atom.what, shape, &coefficients[number]),
             local: is_local(atom),
             probability: slot.probability,
             p,
@@ -198,6 +158,7 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
             departs: member.departs.clone(),
             equal,
             lost: lost(atoms, best, ranked, member.atom),
+            ..NamedEffect::default()
         });
     }
     // What a form leaves counts as what its effect explains; what structure could explain as well does not.
@@ -222,7 +183,7 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
             refused.push((name.name, why));
         }
     }
-    let rivals = rivals(atoms, sets, ranked);
+    let rivals = rivals(sets, ranked);
     let share = |own: &[usize]| {
         let beside = |number: &usize| !own.contains(&best.members[*number].atom);
         (whole_core - sets.gain(&members(&beside))) / explicable
@@ -245,7 +206,8 @@ pub fn answer(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set], level:
 
 /// The set with simpler forms in the place of fuller ones, as long as they lack no more than a further
 /// unknown would by chance, none departing from its equation.
-fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], best: &'r Set) -> &'r Set {
+fn simplest<'r>(sets: &Sets<'_, '_, '_>, ranked: &'r [Set], best: &'r Set) -> &'r Set {
+    let all = &sets.atoms.all;
     let mut chosen = best;
     loop {
         let simpler = ranked.iter().find(|set| {
@@ -253,7 +215,7 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
             let gone: Vec<usize> = own.iter().copied().filter(|atom| !theirs.contains(atom)).collect();
             let come: Vec<usize> = theirs.iter().copied().filter(|atom| !own.contains(atom)).collect();
             match (&gone[..], &come[..]) {
-                ([gone], [come]) if atoms.all[*gone].is_fuller(&atoms.all[*come]) => {
+                ([gone], [come]) if all[*gone].is_fuller(&all[*come]) => {
                     sets.gain_exact(&chosen.members) - sets.gain_exact(&set.members)
                         < chi_squared_quantile(1.0 - NEEDED, 1.0)
                 }
@@ -271,19 +233,18 @@ fn simplest<'r>(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &'r [Set], b
 /// negligible share of what all explain; and the names of the rest: the one that
 /// explains least goes first, and the others are looked at again without it.
 fn core(
-    atoms: &Atoms<'_>,
     sets: &Sets<'_, '_, '_>,
     (members, ranks): (&[Member], &[usize]),
     level: f64,
 ) -> (Vec<usize>, Vec<(String, String)>) {
     let mut core: Vec<usize> = (0..members.len()).collect();
     let mut refused = Vec::new();
+    let atom = |number: usize| sets.atom(&members[number]);
     // A single reading at which others jump is a matter of their timing.
     if let Some(contributions) = sets.contributions(members) {
         core.retain(|number| {
-            let atom = &atoms.all[members[*number].atom];
-            let mut columns = atom.shapes[members[*number].shape].columns.iter();
-            if !is_local(atom) || columns.any(|column| atoms.column(*column).readings() != 1) {
+            let mut columns = sets.shape(&members[*number]).columns.iter();
+            if !is_local(atom(*number)) || columns.any(|column| sets.atoms.column(*column).readings() != 1) {
                 return true;
             }
             let others = contributions.iter().enumerate().filter(|(other, _)| other != number);
@@ -291,7 +252,7 @@ fn core(
             let stands = contributions[*number].share_at_edges(&others) < AT_EDGES;
             if !stands {
                 let why = "other effects change by more than it in the same readings: it may be their timing";
-                refused.push((atom.name.clone(), why.to_string()));
+                refused.push((atom(*number).name.clone(), why.to_string()));
             }
             stands
         });
@@ -301,26 +262,24 @@ fn core(
     loop {
         let all = gain(&core);
         // Beside structure without a name, which could do what any name does, no name would add anything.
-        let is_named = |number: &usize| atoms.all[members[*number].atom].is_named();
-        let names: Vec<usize> = core.iter().copied().filter(is_named).collect();
+        let names: Vec<usize> = core.iter().copied().filter(|number| atom(*number).is_named()).collect();
         let by_names = gain(&names);
         let chance = names.iter().map(|number| {
             let others = others_of(&names, *number);
             let by_others = gain(&others);
             let rest = sets.rest.beside(by_others, others.iter().map(|other| ranks[*other]).sum());
-            let atom = &atoms.all[members[*number].atom];
-            (by_chance(&rest, atom, by_names - by_others, ranks[*number]), *number)
+            (by_chance(&rest, atom(*number), by_names - by_others, ranks[*number]), *number)
         });
         if let Some((p, number)) = chance.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(p, _)| *p > level) {
             core.retain(|other| *other != number);
             let why = format!("its improvement on the other effects is within chance ({})", p_value(p));
-            refused.push((atoms.all[members[number].atom].name.clone(), why));
+            refused.push((atom(number).name.clone(), why));
             continue;
         }
         let share = |own: usize| {
             let others = others_of(&core, own);
-            let lasts = |other: &usize| !is_local(&atoms.all[members[*other].atom]);
-            let lasting: Vec<usize> = others.iter().copied().filter(lasts).collect();
+            let lasting: Vec<usize> =
+                others.iter().copied().filter(|other| !is_local(atom(*other))).collect();
             let alone = all - gain(&others);
             alone / (alone + gain(&lasting).max(0.0))
         };
@@ -328,71 +287,64 @@ fn core(
         let least = shares.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(share, _)| *share < NEGLIGIBLE);
         let Some((share, number)) = least else { return (core, refused) };
         core.retain(|other| *other != number);
-        let atom = &atoms.all[members[number].atom];
-        if atom.is_named() {
+        if atom(number).is_named() {
             let why = format!(
                 "it explains only {} % of the explained variance, within the model error of the other effects",
                 significant(100.0 * share, 2)
             );
-            refused.push((atom.name.clone(), why));
+            refused.push((atom(number).name.clone(), why));
         }
     }
 }
 
-/// An atom as a set has it.
-fn alternative(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, set: &Set, atom: usize) -> Alternative {
-    let says = |member: &Member| member.atom == atom || atoms.all[member.atom].is_fuller(&atoms.all[atom]);
+/// What comes in for a member of a set with these coefficients.
+fn additions_of(sets: &Sets<'_, '_, '_>, member: &Member, sizes: &[f64]) -> Vec<Addition> {
+    additions(&sets.atom(member).what, sets.shape(member), sizes)
+}
+
+fn alternative(sets: &Sets<'_, '_, '_>, set: &Set, atom: usize) -> Alternative {
+    let of = &sets.atoms.all[atom];
+    let says = |member: &Member| member.atom == atom || sets.atom(member).is_fuller(of);
     let sizes = sets.coefficients(&set.members).unwrap_or_default();
     let own = set.members.iter().zip(&sizes).find(|(member, _)| says(member));
-    let additions = own.map(|(member, sizes)| {
-        let atom = &atoms.all[member.atom];
-        additions(&atom.thing, &atom.shapes[member.shape], sizes)
-    });
-    Alternative { name: atoms.all[atom].name.clone(), additions: additions.unwrap_or_default() }
+    let additions = own.map(|(member, sizes)| additions_of(sets, member, sizes));
+    Alternative { name: of.name.clone(), additions: additions.unwrap_or_default() }
 }
 
 /// The names of sets nearly as probable as the best, sets of names alone that explain nearly as much, and names of
 /// the kind of physics that structure of the best set is: they may do better at the shapes that they come to.
-fn rivals(atoms: &Atoms<'_>, sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Vec<Vec<Addition>> {
+fn rivals(sets: &Sets<'_, '_, '_>, ranked: &[Set]) -> Vec<Vec<Addition>> {
+    let (atoms, best) = (&sets.atoms.all, &ranked[0]);
+    let is_named = |member: &Member| sets.atom(member).is_named();
     let of = |set: &Set| -> Vec<Addition> {
         let coefficients = sets.coefficients(&set.members).unwrap_or_default();
-        let named =
-            set.members.iter().zip(&coefficients).filter(|(member, _)| atoms.all[member.atom].is_named());
-        let additions = named.flat_map(|(member, sizes)| {
-            let atom = &atoms.all[member.atom];
-            additions(&atom.thing, &atom.shapes[member.shape], sizes)
-        });
-        additions.collect()
+        let named = set.members.iter().zip(&coefficients).filter(|(member, _)| is_named(member));
+        named.flat_map(|(member, sizes)| additions_of(sets, member, sizes)).collect()
     };
-    let gain = sets.gain(&ranked[0].members);
-    let explains = |set: &Set| {
-        set.members.iter().all(|member| atoms.all[member.atom].is_named())
-            && sets.gain(&set.members) > AS_MUCH * gain
-    };
+    let gain = sets.gain(&best.members);
+    let explains = |set: &Set| set.members.iter().all(is_named) && sets.gain(&set.members) > AS_MUCH * gain;
     // One set for each name whose shapes no fit has found yet.
-    let mut known: Vec<usize> = ranked[0].members.iter().map(|member| member.atom).collect();
+    let mut known: Vec<usize> = best.members.iter().map(|member| member.atom).collect();
     let mut chosen = Vec::new();
     let is_fresh = |number: usize, known: &[usize]| {
-        let atom = &atoms.all[number];
+        let atom = &atoms[number];
         let fitted = atom.shapes.iter().any(Shape::is_fitted);
         atom.is_named() && atom.shapes.len() > 1 && !fitted && !known.contains(&number)
     };
-    let structures =
-        ranked[0].members.iter().map(|member| &atoms.all[member.atom]).filter(|atom| !atom.is_named());
-    for structure in structures {
-        for (number, atom) in atoms.all.iter().enumerate() {
+    for structure in best.members.iter().filter(|member| !is_named(member)).map(|member| sets.atom(member)) {
+        for (number, atom) in atoms.iter().enumerate() {
             let is_of = families::of(atom) == families::of(structure) && atom.sensor() == structure.sensor();
             if !is_of || !is_fresh(number, &known) {
                 continue;
             }
             known.push(number);
             if let Some((shape, coefficients)) = sets.nearest(number) {
-                chosen.push(additions(&atom.thing, &atom.shapes[shape], &coefficients));
+                chosen.push(additions(&atom.what, &atom.shapes[shape], &coefficients));
             }
         }
     }
     let most = chosen.len() + REFITTED;
-    for set in ranked.iter().filter(|set| ranked[0].log - set.log < NEARLY || explains(set)) {
+    for set in ranked.iter().filter(|set| best.log - set.log < NEARLY || explains(set)) {
         let members = set.members.iter().map(|member| member.atom);
         let fresh: Vec<usize> = members.filter(|number| is_fresh(*number, &known)).collect();
         if !fresh.is_empty() {
@@ -412,26 +364,21 @@ fn others_of(all: &[usize], own: usize) -> Vec<usize> {
 
 /// Probability that chance gains as much anywhere among what an atom was chosen from.
 fn by_chance(rest: &Rest, atom: &Atom, gain: f64, rank: usize) -> f64 {
-    at_least_one(rest.p(gain, rank), (-member_prior(atom)).exp())
-}
-
-fn member_prior(atom: &Atom) -> f64 {
-    atom.log_prior - (atom.tried as f64).ln()
+    at_least_one(rest.p(gain, rank), ((atom.tried as f64).ln() - atom.log_prior).exp())
 }
 
 fn is_local(atom: &Atom) -> bool {
     let one = |addition: &Addition| match addition {
-        Addition::Effect(effect) => effect.kind.parameters().iter().any(physics::ParameterInfo::is_moment),
+        Addition::Effect(effect) => effect.kind.parameters().iter().any(ParameterInfo::is_moment),
         Addition::Single(_) => true,
     };
-    matches!(&atom.thing, Thing::Event(additions) if additions.iter().any(one))
+    matches!(&atom.what, What::Event(additions) if additions.iter().any(one))
 }
 
 /// What may stand in the place of a name.
 struct Slot<'r> {
     probability: f64,
-    /// Names that together with it have the probability asked for, each with the best set that has it; None
-    /// where they have not.
+    /// Names that make it sure together with it, each with the best set that has it; None where they do not.
     equal: Option<Vec<(usize, &'r Set)>>,
 }
 
@@ -451,13 +398,9 @@ impl<'r> Slot<'r> {
         let mut equal = Vec::new();
         while together < SURE && equal.len() + 1 < UNDECIDED {
             // The further name that is in most of what is left; one of the best set stands for itself.
-            let mut names: Vec<usize> = left
-                .iter()
-                .flat_map(|(set, _)| set.members.iter().map(|member| member.atom))
-                .filter(|atom| atoms.all[*atom].is_named() && !best.key().contains(atom))
-                .collect();
-            names.sort_unstable();
-            names.dedup();
+            let names = left.iter().flat_map(|(set, _)| set.members.iter().map(|member| member.atom));
+            let is_other = |atom: &usize| atoms.all[*atom].is_named() && !best.key().contains(atom);
+            let names: BTreeSet<usize> = names.filter(is_other).collect();
             let weight = |atom: usize| -> f64 {
                 left.iter().filter(|(set, _)| holds(set, atom)).map(|(_, weight)| weight).sum()
             };
@@ -473,20 +416,19 @@ impl<'r> Slot<'r> {
 }
 
 /// Rivals of a name: what sets without it have, and how far behind they are.
-fn lost(atoms: &Atoms<'_>, best: &Set, ranked: &[Set], atom: usize) -> Vec<(String, String)> {
-    let mut told: Vec<(String, String)> = Vec::new();
+fn lost(atoms: &Atoms<'_>, best: &Set, ranked: &[Set], atom: usize) -> Vec<Rival> {
+    let mut told: Vec<Rival> = Vec::new();
     for set in ranked.iter().filter(|set| set.members.iter().all(|member| member.atom != atom)) {
         let fresh = |member: &&Member| {
             let other = &atoms.all[member.atom];
             let in_best = best.members.iter().any(|own| own.atom == member.atom);
-            other.is_named() && !in_best && told.iter().all(|(name, _)| *name != other.name)
+            other.is_named() && !in_best && told.iter().all(|one| one.effect != other.name)
         };
         let Some(rival) = set.members.iter().find(fresh) else { continue };
-        let behind = best.log - set.log;
-        told.push((
-            atoms.all[rival.atom].name.clone(),
-            format!("log odds of {} against it", significant(behind, 3)),
-        ));
+        told.push(Rival {
+            effect: atoms.all[rival.atom].name.clone(),
+            why_not: format!("log odds of {} against it", significant(best.log - set.log, 3)),
+        });
         if told.len() == RIVALS {
             break;
         }

@@ -22,11 +22,15 @@ pub fn polynomial(order: usize, value: f64, range: [f64; 2]) -> f64 {
     place(value, range).and_then(|x| physics::chebyshev(x).nth(order - 1)).unwrap_or(0.0)
 }
 
-/// So many half waves over the span of the campaign's clock, at a row; None without times. They are the
-/// Chebyshev polynomials of the first.
+/// So many half waves over the span of the campaign's clock at a row, the Chebyshev polynomials of the first.
 pub fn half_waves(order: usize, run: &Run<'_>, row: usize, (from, length): (f64, f64)) -> Option<f64> {
     let time = run.time_s?[row] + run.setting.context.clock_s;
     Some((PI * order as f64 * (time - from) / length).cos())
+}
+
+/// Mean time from one row to the next.
+pub fn mean_step_s(time: &[f64]) -> f64 {
+    (time[time.len() - 1] - time[0]) / (time.len().max(2) - 1) as f64
 }
 
 #[cfg(test)]

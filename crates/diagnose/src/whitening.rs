@@ -3,7 +3,7 @@
 mod declared;
 mod restricted;
 
-use common::{Document, Noise};
+use common::Noise;
 use estimate::events::correlate;
 use estimate::stats::median;
 use noise::{NoiseError, Whitening};
@@ -31,7 +31,6 @@ pub fn neighbours_std(residual: &[f64]) -> f64 {
     NORMAL * median(&apart) * std::f64::consts::FRAC_1_SQRT_2
 }
 
-/// The noise of all channels.
 #[derive(Clone, Debug)]
 pub struct NoiseModel {
     whitenings: Vec<Whitening>,
@@ -40,76 +39,59 @@ pub struct NoiseModel {
     /// Degrees of freedom with which the size of the noise is known beforehand: infinite where it is
     /// declared, zero where it is estimated from the residual.
     pub known: f64,
-    /// `declared` or `residuals`.
-    pub source: &'static str,
 }
 
 impl NoiseModel {
-    /// The noise as the document declares it, through the converters of a state; where it does not, white as
-    /// `residual` (nT, stacked) shows it.
-    pub fn of(
-        document: &Document,
-        observed: &Observed<'_>,
-        state: &State,
-        residual: &[f64],
-    ) -> Result<Self, Error> {
+    /// The noise as it is declared, through the converters of a state; else white as `residual` (nT) shows it.
+    pub fn of(observed: &Observed<'_>, state: &State, residual: &[f64]) -> Result<Self, Error> {
         let declared: Vec<Option<Noise>> =
-            observed.channels.iter().map(|channel| declared(document, observed, state, channel)).collect();
+            observed.channels.iter().map(|channel| declared(observed, state, channel)).collect();
         let known = known_freedom(&declared);
         if known == 0.0 {
-            return Self::estimated(document, observed, residual);
+            return Self::estimated(observed, residual);
         }
         let noises: Vec<Noise> = declared.into_iter().flatten().collect();
         Self::with(observed, &noises, known)
     }
 
     /// White noise as a residual shows it, whatever is declared.
-    pub fn estimated(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
-        Self::with(observed, &estimate(document, observed, residual), 0.0)
+    pub fn estimated(observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
+        Self::with(observed, &estimate(observed, residual), 0.0)
     }
 
-    /// Noise with memory as a residual shows it beside columns (nT, stacked) that were fitted, whatever is
-    /// declared.
+    /// Noise with memory as a residual shows it beside fitted columns (nT, stacked), whatever is declared.
     pub fn restricted(
-        document: &Document,
         observed: &Observed<'_>,
         columns: &[Vec<f64>],
         residual: &[f64],
     ) -> Result<Self, Error> {
-        Self::with(observed, &restricted::restricted(document, observed, columns, residual)?, 0.0)
+        Self::with(observed, &restricted::restricted(observed, columns, residual)?, 0.0)
     }
 
     fn with(observed: &Observed<'_>, noises: &[Noise], known: f64) -> Result<Self, Error> {
-        let declared = known > 0.0;
-        let whitenings: Vec<Whitening> = observed
-            .channels
-            .par_iter()
-            .zip(noises)
-            .map(|(channel, noise)| whitening(observed, channel, noise, declared))
-            .collect::<Result<_, Error>>()?;
+        let channels = observed.channels.par_iter().zip(noises);
+        let whitenings = channels.map(|(channel, noise)| whitening(observed, channel, noise, known > 0.0));
+        let whitenings: Vec<Whitening> = whitenings.collect::<Result<_, Error>>()?;
         let variance = |own: &Whitening| if own.is_white() { own.white_nt2() } else { own.variance_nt2() };
         let std_nt = whitenings.iter().map(|whitening| variance(whitening).sqrt()).collect();
-        Ok(Self { whitenings, std_nt, known, source: if declared { "declared" } else { "residuals" } })
+        Ok(Self { whitenings, std_nt, known })
     }
 
-    /// White noise as neighbouring readings of a residual differ, in each channel by itself: by the median of
-    /// the distances.
-    pub fn white(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
-        let of = |channel: &Channel| -> Result<Whitening, Error> {
+    /// White noise of each channel as neighbouring readings of a residual differ: by the median of the distances.
+    pub fn white(observed: &Observed<'_>, residual: &[f64]) -> Result<Self, Error> {
+        let of = |channel: &Channel| {
             let values = &residual[channel.range()];
             let apart: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
             let most =
                 apart.iter().map(|value| value * value).sum::<f64>() / (2.0 * apart.len().max(1) as f64);
             let usual = neighbours_std(values);
-            let least = code_nt(document, observed, channel) / 12.0_f64.sqrt();
+            let least = code_nt(observed, channel) / 12.0_f64.sqrt();
             // Of coarse codes most distances are zero.
             let std =
                 if usual > least { usual } else { most.sqrt().max(least).max(f64::MIN_POSITIVE.sqrt()) };
-            whitening(observed, channel, &Noise { white_rms_nt: Some(std), ..Noise::default() }, false)
+            Noise { white_rms_nt: Some(std), ..Noise::default() }
         };
-        let whitenings: Vec<Whitening> = observed.channels.iter().map(of).collect::<Result<_, _>>()?;
-        let std_nt = whitenings.iter().map(|whitening| whitening.white_nt2().sqrt()).collect();
-        Ok(Self { whitenings, std_nt, known: 0.0, source: "residuals" })
+        Self::with(observed, &observed.channels.iter().map(of).collect::<Vec<_>>(), 0.0)
     }
 
     /// ln of the determinant of the covariance of all readings.
@@ -117,12 +99,10 @@ impl NoiseModel {
         self.whitenings.iter().map(Whitening::log_determinant).sum()
     }
 
-    /// Whether it whitens as another does.
     pub fn same(&self, other: &Self) -> bool {
         self.whitenings.iter().zip(&other.whitenings).all(|(own, other)| own.same(other))
     }
 
-    /// Whether the noise of a channel has memory.
     pub fn remembers(&self, channel: usize) -> bool {
         !self.whitenings[channel].is_white()
     }
@@ -149,7 +129,6 @@ impl NoiseModel {
         columns.iter().map(one).collect()
     }
 
-    /// A stacked series whitened.
     pub fn whiten(&self, observed: &Observed<'_>, series: &[f64]) -> Vec<f64> {
         let channels = observed.channels.iter().enumerate();
         channels.flat_map(|(k, channel)| self.whitenings[k].whiten(&series[channel.range()])).collect()

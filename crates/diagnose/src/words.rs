@@ -79,9 +79,11 @@ pub fn answer(entry: &Diagnosis) -> String {
                 sets.join(" or ")
             )
         }
-        Verdict::Unexplained => match entry.families.first().filter(|family| is_sure(family)) {
-            Some(first) => format!("{}; {refitted}, {noise}", family(first)),
-            None => {
+        Verdict::Unexplained => match entry.families.first() {
+            Some(first) if first.probability >= SURE && first.share >= AS_MUCH => {
+                format!("{}; {refitted}, {noise}", family(first))
+            }
+            _ => {
                 let left = entry.remaining.as_ref().map_or("unidentified structure", |left| &left.structure);
                 format!("{refitted}, {noise}; no effect explains the residual: {left}")
             }
@@ -102,7 +104,6 @@ fn names(entry: &Diagnosis) -> String {
     format!("{} ({}){others}", titled(first), parameters(first, HEAD))
 }
 
-/// What was adopted without a name.
 fn adopted(entry: &Diagnosis) -> String {
     let (Some(first), Some(last)) = (entry.empirical.first(), entry.empirical.last()) else {
         return String::new();
@@ -114,11 +115,6 @@ fn adopted(entry: &Diagnosis) -> String {
         significant(first.held_out_before_nt, 3),
         significant(last.held_out_after_nt, 3)
     )
-}
-
-/// Whether a kind of physics is certain and explains most.
-fn is_sure(family: &ExplainedFamily) -> bool {
-    family.probability >= SURE && family.share >= AS_MUCH
 }
 
 /// A kind of physics whose member is not determined, with those that may be it.

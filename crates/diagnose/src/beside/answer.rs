@@ -8,7 +8,6 @@ use crate::plain;
 /// Most effects that the sentence names.
 const HEAD: usize = 3;
 
-/// The answer.
 pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
     let Some(fit) = &diagnosis.fit else { return String::new() };
     let rms = |nt: f64| significant(nt, 3);
@@ -62,10 +61,9 @@ fn sized(effect: &ExplainedEffect) -> String {
             (None, unit) => format!(" nT/{unit}"),
         }
     });
-    let of_axes: Vec<String> = axes
-        .iter()
-        .map(|(name, value)| format!("{} {}", axis(name).unwrap_or_default(), size(value)))
-        .collect();
+    let of_axis =
+        |(name, value): &(&String, &Quantity)| format!("{} {}", axis(name).unwrap_or_default(), size(value));
+    let of_axes: Vec<String> = axes.iter().map(of_axis).collect();
     let others = effect.parameters.iter().filter(|(name, _)| axis(name).is_none()).map(|(name, value)| {
         match name.strip_suffix("_s") {
             Some("time") => format!("at {} s", size(value)),
@@ -73,10 +71,7 @@ fn sized(effect: &ExplainedEffect) -> String {
             None => format!("{} {}", name.replace('_', " "), size(value)),
         }
     });
-    let parts: Vec<String> = (!of_axes.is_empty())
-        .then(|| format!("{}{unit}", of_axes.join(", ")))
-        .into_iter()
-        .chain(others)
-        .collect();
+    let of_axes = (!of_axes.is_empty()).then(|| format!("{}{unit}", of_axes.join(", ")));
+    let parts: Vec<String> = of_axes.into_iter().chain(others).collect();
     format!("{} ({})", effect.title, parts.join("; "))
 }

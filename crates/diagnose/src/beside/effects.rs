@@ -7,18 +7,15 @@ use paired::Acting;
 use paired::events::FoundEvent;
 use physics::Kind;
 
-use super::frozen::Frozen;
+use super::readings::Frozen;
 use super::{Compared, rms, unrecorded};
+use crate::report::described;
 
 /// All that explains something, the largest first.
 pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
-    let mut effects: Vec<ExplainedEffect> = compared
-        .explained
-        .causes
-        .iter()
-        .enumerate()
-        .map(|(number, one)| cause(compared, number, one))
-        .collect();
+    let causes = compared.of.explained.causes.iter().enumerate();
+    let mut effects: Vec<ExplainedEffect> =
+        causes.map(|(number, one)| cause(compared, number, one)).collect();
     effects.extend(clock(compared));
     effects.extend(spikes(compared));
     effects.extend(frozen(compared));
@@ -32,22 +29,20 @@ pub fn effects(compared: &Compared) -> Vec<ExplainedEffect> {
     effects
 }
 
-/// Where an effect acts.
 pub fn place(effect: &ExplainedEffect) -> &'static str {
     Kind::named(&effect.effect).map_or("sensor", |kind| kind.place().word())
 }
 
-/// One of the causes.
 pub fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEffect {
-    let explained = &compared.explained;
+    let explained = &compared.of.explained;
     let contribution: f64 = explained.contributions[number].iter().map(|channel| rms(channel).powi(2)).sum();
     let before: f64 = explained.before.iter().map(|channel| rms(channel).powi(2)).sum();
     let column = match one.cause {
-        Cause::Covariate(number) => Some(compared.covariates[number].clone()),
+        Cause::Covariate(number) => Some(compared.covariate(number).name.clone()),
         _ => None,
     };
     let sensor = match one.cause {
-        Cause::Course(number) if !matches!(compared.acting[number], Acting::Step(_)) => {
+        Cause::Course(number) if !matches!(compared.of.acting[number], Acting::Step(_)) => {
             unrecorded::sensor(compared, one.cause)
         }
         Cause::Course(_) | Cause::Time => {
@@ -55,22 +50,14 @@ pub fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEf
         }
         _ => None,
     };
-    let about = kind(compared, one.cause, one.form).about();
-    let follows = match &column {
-        Some(column) => format!("follows {column}"),
-        None => about.title.to_string(),
-    };
+    let kind = kind(compared, one.cause, one.form);
     let form = Form { late_s: one.late_s.as_ref().map_or(0.0, Quantity::value), ..one.form };
     ExplainedEffect {
-        effect: about.name.into(),
         title: match &column {
-            Some(_) => format!("{} {follows}{}", compared.what, paired::lateness(&form)),
-            None => sensor.map_or(follows.clone(), |axis| format!("{follows} (sensor {axis})")),
+            Some(column) => format!("{} follows {column}{}", compared.what, paired::lateness(&form)),
+            None => in_sensor(kind, sensor).unwrap_or_else(|| kind.about().title.into()),
         },
         sensor,
-        physics: about.physics.into(),
-        equation: about.equation.into(),
-        source: about.source.into(),
         parameters: parameters(compared, one, column.as_deref()),
         column,
         p_adjusted: (-explained.gains[number]).exp().min(1.0),
@@ -82,15 +69,20 @@ pub fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEf
         share: Some((contribution / before).min(1.0)),
         held_out_gain_nt: explained.held_out_gains[number],
         visible_fraction: 1.0,
-        ..ExplainedEffect::default()
+        ..described(kind)
     }
+}
+
+/// What an effect does in one sensor.
+fn in_sensor(kind: Kind, sensor: Option<Axis>) -> Option<String> {
+    sensor.map(|axis| format!("{} (sensor {axis})", kind.about().title))
 }
 
 /// The effect that a cause is in a form: of a current that acts at once the catalogue has the field.
 pub fn kind(compared: &Compared, cause: Cause, form: Form) -> Kind {
     match cause {
         Cause::Covariate(number)
-            if compared.covariates[number].ends_with("_a") && form == Form::default() =>
+            if compared.covariate(number).name.ends_with("_a") && form == Form::default() =>
         {
             Kind::StrayCurrent
         }
@@ -106,11 +98,6 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
     if let Cause::Course(_) = one.cause {
         return unrecorded::parameters(compared, one);
     }
-    let mut all = IndexMap::new();
-    let of_axis = |channel: usize| match compared.channels[channel].1 {
-        Some(axis) => axis.to_string(),
-        None => "along_field".into(),
-    };
     let names: Vec<String> = match (one.cause, column) {
         (Cause::Covariate(_), Some(column)) => {
             let unit = common::unit::of_change(column);
@@ -128,11 +115,8 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
         }
         _ => quantity.clone(),
     };
-    for (channel, quantities) in one.channels.iter().enumerate() {
-        for (name, quantity) in names.iter().zip(quantities) {
-            all.insert(format!("{}_{name}", of_axis(channel)), by(quantity));
-        }
-    }
+    let mut all = compared.by_axis(one, &names);
+    all.values_mut().for_each(|quantity| *quantity = by(quantity));
     if let Some(late_s) = &one.late_s {
         let name = if one.cause == Cause::Time { "time_constant_s" } else { "lag_s" };
         all.insert(name.into(), late_s.clone());
@@ -144,6 +128,20 @@ fn parameters(compared: &Compared, one: &Amplitude, column: Option<&str>) -> Ind
         all.insert("late_rows".into(), Quantity::Bare(f64::from(one.form.rows)));
     }
     all
+}
+
+impl Compared {
+    /// The amplitudes of a cause by the axis of the channel, those of each under these names.
+    pub fn by_axis<N: std::fmt::Display>(&self, one: &Amplitude, names: &[N]) -> IndexMap<String, Quantity> {
+        let mut all = IndexMap::new();
+        for (quantities, (_, axis)) in one.channels.iter().zip(&self.channels) {
+            let axis = axis.map_or("along_field", Axis::letter);
+            for (name, quantity) in names.iter().zip(quantities) {
+                all.insert(format!("{axis}_{name}"), quantity.clone());
+            }
+        }
+        all
+    }
 }
 
 /// Readings that freeze, as one effect for each sensor.
@@ -165,7 +163,7 @@ const ROUNDING: f64 = 0.3;
 
 /// Coarse codes whose rounding is a good part of what is left, as one effect for each sensor.
 fn coarse(compared: &Compared) -> Vec<ExplainedEffect> {
-    let explained = &compared.explained;
+    let explained = &compared.of.explained;
     let of = |&(axis, width): &(Axis, f64)| {
         let channel = compared.channels.iter().position(|(_, own)| own.is_none_or(|own| own == axis))?;
         // Beside a magnitude by what the sensor shows in it.
@@ -185,17 +183,17 @@ const ALONE: f64 = 2.0;
 /// Single readings that stand alone, as one effect for each sensor; beside a magnitude they may be of any.
 fn spikes(compared: &Compared) -> Vec<ExplainedEffect> {
     let left = |channel: usize| {
-        compared.explained.residual[channel].iter().fold(0.0_f64, |most, left| most.max(left.abs()))
+        compared.of.explained.residual[channel].iter().fold(0.0_f64, |most, left| most.max(left.abs()))
     };
     let of_channel = |channel: usize| {
         let own = |event: &&FoundEvent| {
             (compared.channels.len() == 1 || event.axis == channel)
                 && event.size.abs() > ALONE * left(channel)
         };
-        let own = compared.spikes.iter().filter(own);
+        let own = compared.of.spikes.iter().filter(own);
         let listed = |event: &FoundEvent| {
             let height = ("height_nt".to_string(), Quantity::new(event.size, event.std));
-            let time = ("time_s".to_string(), Quantity::Bare(compared.frame.time_s(event.from)));
+            let time = ("time_s".to_string(), Quantity::Bare(compared.of.frame.time_s(event.from)));
             ListedEffect { parameters: IndexMap::from([height, time]), ..ListedEffect::default() }
         };
         found_apart(compared, Kind::Spike, own.map(listed).collect(), compared.channels[channel].1)
@@ -215,23 +213,15 @@ fn found_apart(
         1 => list.remove(0).parameters,
         _ => IndexMap::new(),
     };
-    let about = kind.about();
     Some(ExplainedEffect {
-        effect: about.name.into(),
-        title: match sensor {
-            Some(axis) => format!("{} (sensor {axis})", about.title),
-            None => format!("{}: {}", compared.what, about.title),
-        },
-        physics: about.physics.into(),
-        equation: about.equation.into(),
-        source: about.source.into(),
+        title: in_sensor(kind, sensor)
+            .unwrap_or_else(|| format!("{}: {}", compared.what, kind.about().title)),
         sensor,
         parameters,
         list,
-        p_adjusted: 0.0,
         probability: Some(1.0),
         visible_fraction: 1.0,
-        ..ExplainedEffect::default()
+        ..described(kind)
     })
 }
 
@@ -248,7 +238,6 @@ fn alone<'q>(compared: &Compared, sizes: impl Iterator<Item = &'q Quantity>) -> 
     compared.channels[channel].1.filter(|_| over[channel] > SHOWS)
 }
 
-/// A quantity times a number.
 pub fn times(quantity: &Quantity, by: f64) -> Quantity {
     match quantity.std() {
         Some(std) => Quantity::new(quantity.value() * by, std * by),
@@ -261,9 +250,8 @@ const WITHIN: f64 = 2.0;
 
 /// The clock's offset, and its rate: a rate alone where it was right at the beginning.
 pub fn clock(compared: &Compared) -> Option<ExplainedEffect> {
-    let clock = compared.clock.as_ref()?;
-    let half_s =
-        0.5 * compared.time_s.last().zip(compared.time_s.first()).map_or(0.0, |(last, first)| last - first);
+    let clock = compared.of.clock.as_ref()?;
+    let half_s = 0.5 * compared.of.problem.length_s();
     let [offset_s, offset_std] = [clock.offset_s.value(), clock.offset_s.std().unwrap_or(0.0)];
     let began_right = |rate: &&Quantity| {
         let std = offset_std.hypot(half_s * rate.std().unwrap_or(0.0));
@@ -282,15 +270,11 @@ pub fn clock(compared: &Compared) -> Option<ExplainedEffect> {
         (true, false) => "loses",
     };
     Some(ExplainedEffect {
-        effect: kind.name().into(),
         title: format!("the clock of {} {is}", compared.what),
-        physics: kind.about().physics.into(),
-        equation: kind.about().equation.into(),
-        source: kind.about().source.into(),
         parameters,
         p_adjusted: (-clock.gain).exp().min(1.0),
         probability: Some(1.0),
         visible_fraction: 1.0,
-        ..ExplainedEffect::default()
+        ..described(kind)
     })
 }

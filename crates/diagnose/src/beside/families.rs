@@ -6,12 +6,12 @@ use physics::{Family, Kind};
 use std::collections::BTreeSet;
 
 use super::{Compared, effects};
-use crate::families::LEAST;
+use crate::families::{by_share, described};
 
 /// The families of the effects that were found, the one that explains most first: how probable each is, and its
 /// members in the sets that were weighed. Clocks and steps were found apart and stand as they are.
 pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<ExplainedFamily> {
-    let explained = &compared.explained;
+    let explained = &compared.of.explained;
     let causes: BTreeSet<Cause> = explained.rivals.iter().flat_map(|set| set.causes.clone()).collect();
     let kind = |cause: Cause| {
         let named = explained.causes.iter().find(|one| one.cause == cause);
@@ -44,19 +44,11 @@ pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<Explained
             },
             probability: weight(&[*cause]),
         }));
-        members.retain(|member| member.probability >= LEAST);
-        members.sort_by(|a, b| b.probability.total_cmp(&a.probability));
         Some(ExplainedFamily {
-            family: family.word().into(),
-            title: family.title().into(),
             probability: weight(&weighed).max(certain),
             share: own.iter().filter_map(|effect| effect.share).sum::<f64>().min(1.0),
-            members,
-            told_apart_by: family.told_apart_by().into(),
-            ..ExplainedFamily::default()
+            ..described(family, members)
         })
     };
-    let mut all: Vec<ExplainedFamily> = Family::ALL.into_iter().filter_map(of).collect();
-    all.sort_by(|a, b| b.share.total_cmp(&a.share));
-    all
+    by_share(of)
 }

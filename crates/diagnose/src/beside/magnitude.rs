@@ -5,18 +5,19 @@ use nalgebra::Vector3;
 use paired::magnitude::Readings;
 use physics::{Setting, Unit};
 
-use super::{Compared, coarse, frozen, rms};
+use super::{Compared, readings, rms};
 use crate::Error;
 use crate::channel::{Channel, Reader};
 use crate::observed::Observed;
 
-/// Explains what the magnitude leaves, where the recordings do not determine the sensors one by one; None for
-/// other documents.
+/// Explains what the magnitude leaves where the sensors are not determined one by one; None for other documents.
 pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compared>, Error> {
-    let (frozen, document) = &frozen::without(document);
+    let (frozen, document) = &readings::without_frozen(document);
     let Ok(gathered) = joined::gathered(document) else { return Ok(None) };
-    let (notes, document) = match &gathered {
-        Some(gathered) => (gathered.told.iter().map(|told| told.words.clone()).collect(), &gathered.document),
+    let (mut notes, document) = match &gathered {
+        Some(gathered) => {
+            (gathered.told.iter().map(|told| told.words.clone()).collect::<Vec<_>>(), &gathered.document)
+        }
         None => (Vec::new(), document),
     };
     let Ok(observed) = Observed::of(document) else { return Ok(None) };
@@ -25,20 +26,18 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
         return Ok(None);
     }
     let still = |rows: &Readings| !rows.b.is_empty() && !rows.turn();
-    let Some(rows) = readings(document, &observed)?.filter(still) else { return Ok(None) };
+    let Some(rows) = corrected(document, &observed)?.filter(still) else { return Ok(None) };
     let as_it_came: Vec<f64> =
         rows.b.iter().zip(&rows.scalar).map(|(b, scalar)| scalar - b[0].hypot(b[1]).hypot(b[2])).collect();
     let level = estimate::stats::mean(&as_it_came);
     let as_it_came: Vec<f64> = as_it_came.iter().map(|left| left - level).collect();
     let recordings: Vec<String> = observed.runs.iter().map(|run| run.recording.id.clone()).collect();
-    let covariates = joined::beside(document, &recordings);
     let found = rows.level()?;
-    let of = paired::find(&rows.pair(&found), super::asked(document, &recordings, &covariates), told)?
-        .explained(told)?;
+    let asked = super::asked(document, &recordings);
+    let of = paired::find(&rows.pair(&found), asked, told)?.explained(told)?;
     let found = found.fitted(&of.explained.base[0], of.problem.base.len());
     let (scale, added) = found.main_field(std::array::from_fn(|axis| of.explained.base[0][axis].1));
     let volts = observed.runs.iter().any(|run| run.setting.context.unit == Unit::Volt);
-    let mut notes = notes;
     notes.push(
         "the field hardly turns: a level and three slopes are determined, not the offset, scale factor and angles of each sensor; rotations or absolute measurements would"
             .into(),
@@ -49,16 +48,16 @@ pub fn compared(document: &Document, told: &dyn Fn(&str)) -> Result<Option<Compa
         what: "the scalar magnetometer beside the sensors",
         as_it_came: vec![rms(&as_it_came)],
         notes,
-        coarse: coarse::widths(document),
+        coarse: readings::coarse(document),
+        declared: None,
         frozen: frozen.clone(),
         main_field: Some((volts, scale, added.map(|(value, std)| Quantity::new(value, std)))),
-        ..Compared::of(&covariates, of)
+        of,
     }))
 }
 
-/// The readings of all recordings on one clock, corrected by calibration and effects of the model; None where the
-/// effects have no inverse.
-fn readings(document: &Document, observed: &Observed<'_>) -> Result<Option<Readings>, Error> {
+/// All readings on one clock, corrected by calibration and model; None where the effects have no inverse.
+fn corrected(document: &Document, observed: &Observed<'_>) -> Result<Option<Readings>, Error> {
     let effects = physics::adopt(document).map_err(|error| error.at("model"))?;
     let mut all = Readings::default();
     for channel in &observed.channels {

@@ -49,12 +49,11 @@ fn share_running(local_s: f64, ramp_h: f64) -> f64 {
 /// What a cause is, where it is a course.
 fn acting(compared: &Compared, cause: Cause) -> Option<Acting> {
     match cause {
-        Cause::Course(number) => Some(compared.acting[number]),
+        Cause::Course(number) => Some(compared.of.acting[number]),
         _ => None,
     }
 }
 
-/// The sensor that it is in.
 pub fn sensor(compared: &Compared, cause: Cause) -> Option<Axis> {
     match acting(compared, cause)? {
         Acting::Line(_) | Acting::Step(_) | Acting::Given(_) => None,
@@ -80,10 +79,9 @@ pub fn kind(compared: &Compared, cause: Cause) -> Option<Kind> {
 
 /// The source that a line's frequency is an alias of.
 fn line(compared: &Compared, hz: f64) -> (Kind, f64) {
-    aliases(hz, compared.frame.step_s.recip()).first().copied().unwrap_or((Kind::PeriodicField, hz))
+    aliases(hz, compared.of.frame.step_s.recip()).first().copied().unwrap_or((Kind::PeriodicField, hz))
 }
 
-/// Its name with its target.
 pub fn name(compared: &Compared, cause: Cause) -> String {
     let kind = kind(compared, cause).map_or("", Kind::name);
     sensor(compared, cause).map_or(kind.into(), |axis| format!("{kind} {axis}"))
@@ -95,26 +93,14 @@ pub fn loop_name(compared: &Compared, cause: Cause) -> Option<String> {
     Some(format!("{} {}", Kind::LoopBandwidth.name(), Axis::ALL[sensor]))
 }
 
-/// Its parameters.
 pub fn parameters(compared: &Compared, one: &Amplitude) -> IndexMap<String, Quantity> {
     let mut all = IndexMap::new();
     let first = |place: usize| one.channels[0].get(place).cloned().unwrap_or(Quantity::Bare(0.0));
     match acting(compared, one.cause) {
         Some(Acting::Late(_)) => all.insert("delay_s".into(), first(0)),
-        Some(Acting::Given(_)) => {
-            for (quantities, (_, axis)) in one.channels.iter().zip(&compared.channels) {
-                let axis = axis.map_or("along_field".into(), |axis| axis.to_string());
-                all.insert(format!("{axis}_nt"), quantities[0].clone());
-            }
-            None
-        }
+        Some(Acting::Given(_)) => return compared.by_axis(one, &["nt"]),
         Some(Acting::Line(hz)) => {
-            for (quantities, (_, axis)) in one.channels.iter().zip(&compared.channels) {
-                let axis = axis.map_or("along_field".into(), |axis| axis.to_string());
-                for (part, quantity) in ["sine", "cosine"].into_iter().zip(quantities) {
-                    all.insert(format!("{axis}_{part}_nt"), quantity.clone());
-                }
-            }
+            all = compared.by_axis(one, &["sine_nt", "cosine_nt"]);
             let of_all = one.channels.iter().map(Vec::as_slice);
             all.insert("frequency_hz".into(), compared.frequency(line(compared, hz).1, of_all))
         }
@@ -167,16 +153,12 @@ impl Compared {
     /// A frequency with its uncertainty, by what the sizes of sines and cosines are uncertain: σ_f = √3 σ_A/(π T A)
     /// for one line (Rife and Boorstyn 1974, IEEE Trans. Inf. Theory 20, 591).
     fn frequency<'q>(&self, hz: f64, of: impl Iterator<Item = &'q [Quantity]>) -> Quantity {
-        let length_s = self.time_s.last().zip(self.time_s.first()).map_or(0.0, |(last, first)| last - first);
-        let information: f64 = of
-            .map(|own| {
-                let square: f64 = own.iter().map(|size| size.value().powi(2)).sum();
-                let variance: f64 =
-                    own.iter().map(|size| size.std().unwrap_or(0.0).powi(2)).sum::<f64>() / own.len() as f64;
-                square / variance
-            })
-            .filter(|ratio| ratio.is_finite())
-            .sum();
-        Quantity::new(hz, (3.0 / information).sqrt() / (PI * length_s))
+        let ratio = |own: &[Quantity]| {
+            let square: f64 = own.iter().map(|size| size.value().powi(2)).sum();
+            let variance: f64 = own.iter().map(|size| size.std().unwrap_or(0.0).powi(2)).sum();
+            square / (variance / own.len() as f64)
+        };
+        let information: f64 = of.map(ratio).filter(|ratio| ratio.is_finite()).sum();
+        Quantity::new(hz, (3.0 / information).sqrt() / (PI * self.of.problem.length_s()))
     }
 }

@@ -18,7 +18,6 @@ const DEPARTS: f64 = 4.0;
 /// Rows to either side of a stretch that may belong to it.
 const MARGIN: usize = 3;
 
-/// The stretch that explains most.
 pub fn proposal(
     fitter: &Fitter<'_, '_>,
     fit: &Fit,

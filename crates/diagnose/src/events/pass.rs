@@ -1,17 +1,17 @@
 //! Passes of vehicles: three shapes on three axes at any moment, of any duration.
 
 use estimate::events::{Departures, correlate};
-use faer::Mat;
+use nalgebra::Matrix3;
 use physics::{EffectInstance, Kind};
 use rayon::prelude::*;
 
-use super::fitted::fitted;
 use crate::Error;
 use crate::algebra::square;
 use crate::channel::{Channel, Reader};
 use crate::fit::{Fit, Fitter};
 use crate::level::{Rest, at_least_one};
 use crate::proposal::Proposal;
+use crate::waves::mean_step_s;
 
 /// Durations are tried from so many steps on, each longer than the one before by this factor, to a share of
 /// the recording or the longest that is plausible.
@@ -25,7 +25,6 @@ const REACH: f64 = 6.0;
 /// Fewest rows of a recording.
 const ROWS: usize = 24;
 
-/// The pass that explains most.
 pub fn proposal(
     fitter: &Fitter<'_, '_>,
     fit: &Fit,
@@ -43,17 +42,15 @@ pub fn proposal(
         if run.setting.context.angle("sun_azimuth").is_some() {
             continue;
         }
-        let channels: Vec<(usize, &Channel)> = observed
-            .channels
-            .iter()
-            .enumerate()
-            .filter(|(_, c)| c.run == number && matches!(c.reader, Reader::Sensor(_)) && c.rows.len() >= ROWS)
-            .collect();
+        let is_searched =
+            |c: &Channel| c.run == number && matches!(c.reader, Reader::Sensor(_)) && c.rows.len() >= ROWS;
+        let channels = observed.channels.iter().enumerate();
+        let channels: Vec<(usize, &Channel)> = channels.filter(|(_, c)| is_searched(c)).collect();
         if channels.len() < 3 || !fitter.model.can_act(number, &still(None, 0.0, 1.0)) {
             continue;
         }
         let rows = channels.iter().map(|(_, c)| c.rows.len()).min().unwrap_or(0);
-        let step = (time[time.len() - 1] - time[0]) / (time.len() - 1) as f64;
+        let step = mean_step_s(time);
         let tried = |duration: f64| {
             let (gain, row) = strongest_row(&channels, all, rows, duration);
             (gain, row, duration)
@@ -75,7 +72,7 @@ pub fn proposal(
     let own = observed.channels.iter().zip(all).filter(|(channel, _)| channel.run == number);
     let scatter = own.map(|(_, departures)| departures.scatter).fold(1.0, f64::max);
     let effect = still(Some(observed.runs[number].recording.id.clone()), time_s, duration_s);
-    let (effect, gain, rank) = fitted(fitter, fit, &effect)?;
+    let (effect, gain, rank) = fitter.sized(fit, &effect)?;
     let p = at_least_one(rest.p_of_event(gain, scatter, rank), looks);
     Ok(Some(Proposal::event(effect, &observed.runs[number].recording.id, p, gain, looks)))
 }
@@ -97,7 +94,7 @@ fn strongest_row(
         let departures = &all[*at];
         // What begins at a row has its middle `reach` rows later.
         let along: Vec<Vec<f64>> = shapes.iter().map(|shape| correlate(&departures.along, shape)).collect();
-        let inverse = inverse(&products(&shapes, &departures.response))?;
+        let inverse = inverse(&shapes, &departures.response)?;
         let gain = |begin: usize| -> f64 {
             let a: [f64; 3] = std::array::from_fn(|k| along[k][begin]);
             (0..3).map(|i| (0..3).map(|j| a[i] * inverse[(i, j)] * a[j]).sum::<f64>()).sum()
@@ -122,26 +119,14 @@ fn still(recording: Option<String>, time_s: f64, duration_s: f64) -> EffectInsta
     }
 }
 
-/// Products of the whitened shapes.
-fn products(shapes: &[Vec<f64>], response: &[f64]) -> Mat<f64> {
+/// The inverse of the products of the whitened shapes; None where these run together.
+fn inverse(shapes: &[Vec<f64>], response: &[f64]) -> Option<Matrix3<f64>> {
     let reversed: Vec<f64> = response.iter().rev().copied().collect();
-    let white: Vec<Vec<f64>> = shapes
-        .iter()
-        .map(|shape| {
-            let padded: Vec<f64> = std::iter::repeat_n(0.0, response.len() - 1)
-                .chain(shape.iter().copied())
-                .chain(std::iter::repeat_n(0.0, shape.len()))
-                .collect();
-            correlate(&padded, &reversed)
-        })
-        .collect();
-    Mat::from_fn(shapes.len(), shapes.len(), |i, j| white[i].iter().zip(&white[j]).map(|(a, b)| a * b).sum())
-}
-
-/// The inverse of a small matrix of products; None where its shapes run together.
-fn inverse(products: &Mat<f64>) -> Option<Mat<f64>> {
-    let m = nalgebra::Matrix3::from_fn(|i, j| products[(i, j)]);
-    let inverse = m.try_inverse()?;
-    let size = square(inverse.as_slice());
-    size.is_finite().then(|| Mat::from_fn(3, 3, |i, j| inverse[(i, j)]))
+    let white = |shape: &Vec<f64>| {
+        let (before, behind) = (vec![0.0; response.len() - 1], vec![0.0; shape.len()]);
+        correlate(&[&before[..], shape, &behind].concat(), &reversed)
+    };
+    let white: Vec<Vec<f64>> = shapes.iter().map(white).collect();
+    let product = |i: usize, j: usize| white[i].iter().zip(&white[j]).map(|(a, b)| a * b).sum();
+    Matrix3::from_fn(product).try_inverse().filter(|inverse| square(inverse.as_slice()).is_finite())
 }

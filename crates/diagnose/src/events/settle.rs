@@ -1,12 +1,12 @@
 //! Where an event begins and ends, to the row.
 
 use faer::Mat;
-use physics::{EffectInstance, Kind, Parameter, Role};
+use physics::{EffectInstance, Kind, Parameter};
 
 use crate::Error;
 use crate::algebra::{columns, left, orthonormal, square};
 use crate::fit::{Fit, Fitter};
-use crate::model::State;
+use crate::model::{State, amplitudes};
 
 /// Most rows by which an event is moved.
 const SHIFTS: usize = 8;
@@ -56,22 +56,16 @@ pub fn settled_in_time(fitter: &Fitter<'_, '_>, fit: Fit, number: usize) -> Resu
     Ok(fitter.refine(&best.1).ok().filter(|moved| moved.cost < fit.cost).unwrap_or(fit))
 }
 
-/// The times of the recording in which an event is, by the clock by which its moment is told; None where
-/// there are none.
+/// The times of an event's recording, by the clock by which its moment is told.
 fn times(fitter: &Fitter<'_, '_>, effect: &EffectInstance) -> Option<Vec<f64>> {
     let runs = fitter.model.observed.runs.iter();
     match &effect.recording {
         Some(id) => runs.filter(|run| run.recording.id == *id).find_map(|run| Some(run.time_s?.to_vec())),
         // What goes on in later recordings is told by the clock that they share.
-        None => runs
-            .filter_map(|run| {
-                let clock_s = run.setting.context.clock_s;
-                Some(run.time_s?.iter().map(|time| time + clock_s).collect::<Vec<f64>>())
-            })
-            .find(|times| {
-                let moment = effect.parameters.get(1).copied().unwrap_or(f64::NAN);
-                times.first() <= Some(&moment) && Some(&moment) <= times.last()
-            }),
+        None => runs.filter_map(|run| run.on_clock()).find(|times| {
+            let moment = effect.parameters.get(1).copied().unwrap_or(f64::NAN);
+            times.first() <= Some(&moment) && Some(&moment) <= times.last()
+        }),
     }
 }
 
@@ -87,7 +81,6 @@ fn to_neighbours(times: &[f64], moment: f64) -> impl Iterator<Item = f64> {
 /// The unknowns of a fit but those of one effect, as an orthonormal basis of their whitened derivatives.
 struct Others {
     basis: Mat<f64>,
-    /// The effect's amplitudes.
     own: Vec<Parameter>,
 }
 
@@ -100,9 +93,8 @@ impl Others {
         };
         let kept: Vec<usize> = (0..fit.jacobian.ncols()).filter(|column| !is_own(*column)).collect();
         let all = Mat::from_fn(fit.jacobian.nrows(), kept.len(), |i, j| fit.jacobian[(i, kept[j])]);
-        let infos = fit.state.effects[number].kind.parameters().iter().enumerate();
-        let amplitudes = infos.filter(|(_, info)| info.role == Role::Amplitude);
-        let own = amplitudes.map(|(k, _)| Parameter::Effect(number, k)).collect();
+        let own = amplitudes(fit.state.effects[number].kind);
+        let own = own.into_iter().map(|k| Parameter::Effect(number, k)).collect();
         Ok(Self { basis: orthonormal(&all)?, own })
     }
 

@@ -4,7 +4,7 @@ use common::{Axis, Document, Recording};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use physics::frames;
 
-use crate::generic::mean_step_s;
+use crate::waves::mean_step_s;
 
 /// Shortest time between readings, s.
 const SHORTEST_S: f64 = 1e-3;
@@ -19,13 +19,10 @@ const SURROUNDINGS: [&str; 4] = ["outside_", "tilt_", "sun", "eclipse"];
 /// A recording that could be made, its readings zero.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// What is done, in words.
     pub words: String,
-    /// Its columns and conditions.
     pub recording: Recording,
 }
 
-/// Whether a column is what an instrument reads.
 pub fn is_reading(name: &str) -> bool {
     let reads = |prefix: &str| name.starts_with(prefix) && (name.ends_with("_nt") || name.ends_with("_v"));
     reads("sensor_") || reads("test_") || name == "reference_nt"
@@ -104,13 +101,11 @@ pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
                 drive.iter().for_each(|level| drives.iter().for_each(|name| hold(recording, name, *level)));
             });
         }
-        add(
-            format!("{one} up and back at twice the rate with the same drive and all else held"),
-            &|recording| {
-                alone(recording);
-                fold(recording, one);
-            },
-        );
+        let words = format!("{one} up and back at twice the rate with the same drive and all else held");
+        add(words, &|recording| {
+            alone(recording);
+            fold(recording, one);
+        });
     }
     for (words, factor) in [("reversed", -1.0), ("halved", 0.5), ("doubled", 2.0)] {
         let possible = drives.iter().all(|name| within(document, &own, name, factor));
@@ -130,15 +125,13 @@ pub fn variants(document: &Document, recording: &Recording) -> Vec<Variant> {
     }
     if let Some(now) = own.conditions.orientation {
         for axis in Axis::ALL {
-            add(
-                format!("the same with the sensor block turned by 90° about its axis {axis}"),
-                &|recording| {
-                    let about = Vector3::ith_axis(axis.index());
-                    let turn = Rotation3::from_axis_angle(&about, std::f64::consts::FRAC_PI_2).into_inner();
-                    let turn: Matrix3<f64> = turn.map(f64::round);
-                    recording.conditions.orientation = Some(frames::rows(&(turn * frames::matrix(&now))));
-                },
-            );
+            let words = format!("the same with the sensor block turned by 90° about its axis {axis}");
+            add(words, &|recording| {
+                let about = Vector3::ith_axis(axis.index());
+                let turn = Rotation3::from_axis_angle(&about, std::f64::consts::FRAC_PI_2).into_inner();
+                let turn: Matrix3<f64> = turn.map(f64::round);
+                recording.conditions.orientation = Some(frames::rows(&(turn * frames::matrix(&now))));
+            });
         }
     }
     all
@@ -154,37 +147,31 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
 }
 
-fn hold(recording: &mut Recording, name: &str, level: Level) {
+fn alter(recording: &mut Recording, name: &str, of: impl Fn(&[f64]) -> Vec<f64>) {
     if let Some(column) = recording.columns.get_mut(name) {
-        let value = level(column);
-        column.fill(value);
+        *column = of(column).into();
     }
 }
 
+fn hold(recording: &mut Recording, name: &str, level: Level) {
+    alter(recording, name, |values| vec![level(values); values.len()]);
+}
+
 fn times(recording: &mut Recording, name: &str, factor: f64) {
-    if let Some(column) = recording.columns.get_mut(name) {
-        column.iter_mut().for_each(|value| *value *= factor);
-    }
+    alter(recording, name, |values| values.iter().map(|value| value * factor).collect());
 }
 
 /// There and back, in the same time.
 fn fold(recording: &mut Recording, name: &str) {
-    if let Some(column) = recording.columns.get_mut(name) {
-        let before = column.clone();
-        let last = before.len() - 1;
-        column
-            .iter_mut()
-            .enumerate()
-            .for_each(|(row, value)| *value = before[(2 * row).min(2 * last - 2 * row)]);
-    }
+    alter(recording, name, |values| {
+        let last = values.len() - 1;
+        (0..=last).map(|row| values[(2 * row).min(2 * last - 2 * row)]).collect()
+    });
 }
 
 /// Times from the first on by a factor.
 fn stretch(recording: &mut Recording, factor: f64) {
-    if let Some(column) = recording.columns.get_mut("time_s") {
-        let first = column.first().copied().unwrap_or(0.0);
-        column.iter_mut().for_each(|time| *time = first + factor * (*time - first));
-    }
+    alter(recording, "time_s", |times| times.iter().map(|t| times[0] + factor * (t - times[0])).collect());
 }
 
 /// Whether a drive by a factor stays within what the coil bears.
@@ -199,7 +186,6 @@ fn within(document: &Document, recording: &Recording, name: &str, factor: f64) -
     factor.abs() <= 1.0 || axis.and_then(bears).unwrap_or(false)
 }
 
-/// The day after a recording.
 fn later(recording: &Recording) -> Option<String> {
     let last = recording.column("time_s").and_then(|time| time.last().copied()).unwrap_or(0.0);
     recording.start()?.after(last + 86_400.0).text()

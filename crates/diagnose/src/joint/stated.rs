@@ -2,24 +2,19 @@
 
 use common::covariance::rows;
 use common::uncertainty;
-use common::{AxesDirections, Axis, Document, OneOrEach, Quantity, Uncertainty};
+use common::{AxesDirections, Axis, Document, OneOrEach, Uncertainty};
 use faer::Mat;
 use nalgebra::Matrix3;
-use physics::{Kind, ParameterInfo, frames};
+use physics::{Kind, ParameterInfo, Unit, frames};
 
+use crate::model::{self, Unknown, chain, moving_place};
 use crate::sized;
 
-/// States beside each value that was fitted the uncertainty that the sources say, and the covariances of
-/// those that are told together.
+/// States the uncertainty of each fitted value, and the covariances of those that are told together.
 pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
     let fitted = |path: &String| paths.contains(path);
     let known = |path: &String, value: f64, info: Option<&ParameterInfo>| {
         sized::quantity(value, joint.std(path), joint.degrees_of_freedom(path), info)
-    };
-    let restate = |path: String, quantity: Option<&mut Quantity>| {
-        if let Some(quantity) = quantity.filter(|_| fitted(&path) && joint.std(&path) > 0.0) {
-            *quantity = known(&path, quantity.value(), None);
-        }
     };
     for effect in document.model.iter_mut().flat_map(|model| &mut model.effects) {
         let infos = Kind::named(&effect.effect).map_or(&[][..], Kind::parameters);
@@ -32,6 +27,16 @@ pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
         }
     }
     let Some(calibration) = document.calibration.as_mut() else { return };
+    let chains = [Unit::Volt, Unit::Nanotesla]
+        .into_iter()
+        .flat_map(|unit| chain().map(move |parameter| Unknown::Chain(parameter, unit)));
+    for unknown in chains.chain(Axis::ALL.map(Unknown::Field)) {
+        let path = model::path(Some(calibration), &unknown);
+        let Some(path) = path.filter(|path| fitted(path) && joint.std(path) > 0.0) else { continue };
+        if let Some(Some(quantity)) = moving_place(calibration, &unknown) {
+            *quantity = known(&path, quantity.value(), None);
+        }
+    }
     // The covariance of two constants of a sensor or a coil, where the fit moved one of them.
     let both = |keys: Option<[(String, &str); 2]>| {
         let (paths, names): (Vec<String>, Vec<&str>) = keys?.into_iter().unzip();
@@ -45,8 +50,6 @@ pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
                 (uncertainty::coil_constant(axis), "constant_nt_per_a"),
                 (uncertainty::coil_offset(axis), "offset_nt"),
             ];
-            restate(keys[0].0.clone(), coil.constant_nt_per_a.as_mut());
-            restate(keys[1].0.clone(), coil.offset_nt.as_mut());
             if keys.iter().any(|(path, _)| fitted(path)) {
                 (coil.covariance, coil.covariance_order) = both(Some(keys)).unzip();
             }
@@ -54,9 +57,6 @@ pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
         if let Some(sensor) = calibration.sensors.as_mut().and_then(|sensors| sensors.entry(axis).as_mut()) {
             let offset = uncertainty::sensor_offset(axis);
             let [volt, nanotesla] = ["v", "nt"].map(|unit| uncertainty::sensitivity(axis, unit));
-            restate(volt.clone(), sensor.sensitivity_nt_per_v.as_mut());
-            restate(nanotesla.clone(), sensor.sensitivity_nt_per_nt.as_mut());
-            restate(offset.clone(), sensor.offset_nt.as_mut());
             let of = |path: &str, key: &'static str| {
                 Some([(path.to_string(), key), (offset.clone(), "offset_nt")])
             };
@@ -71,12 +71,6 @@ pub fn state(document: &mut Document, joint: &Uncertainty, paths: &[String]) {
         }
     }
     let Some(axes) = calibration.axes.as_mut() else { return };
-    for axis in Axis::ALL {
-        let added = axes.offsets_nt.as_mut().and_then(|offsets| offsets.entry(axis).as_mut());
-        restate(uncertainty::added_offset(axis), added);
-        let field = axes.residual_field_nt.as_mut().and_then(|field| field.entry(axis).as_mut());
-        restate(uncertainty::residual_field(axis), field);
-    }
     let [sensors, coils] = ["sensors", "coils"].map(uncertainty::directions);
     for (place, paths) in [(&mut axes.sensors, &sensors), (&mut axes.coils, &coils)] {
         if let Some(place) = place.as_mut().filter(|_| paths.iter().any(fitted)) {

@@ -1,14 +1,15 @@
 //! Derivatives of what is predicted by the unknowns.
 
 use common::Axis;
-use physics::{Basic, Parameter, Prediction, Role, frames};
+use physics::{Basic, Parameter, Role, frames};
 use rayon::prelude::*;
 
 use super::prediction::Seen;
-use super::state::{Model, State};
+use super::state::{Model, State, amplitudes};
 use super::step::at_bound;
 use super::unknown::{Unknown, chain};
 use crate::Error;
+use crate::channel::Channel;
 
 /// Step of the differences by which turns of the block enter, rad.
 const TURN_RAD: f64 = 1e-5;
@@ -16,69 +17,60 @@ const TURN_RAD: f64 = 1e-5;
 impl Model<'_> {
     /// Derivatives of what is predicted by the unknowns of the base model at a state.
     pub fn base_columns(&self, state: &State) -> Result<Vec<Vec<f64>>, Error> {
-        let runs: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
-            .into_par_iter()
-            .map(|run| {
-                let (now, _) = self.setting(state, run);
-                let moving: Vec<Vec<(Parameter, f64)>> = self
-                    .unknowns
-                    .iter()
-                    .map(|unknown| match unknown {
-                        Unknown::Chain(parameter, unit) if *unit == self.unit(run) => {
-                            self.local(&now, run, *parameter)
-                        }
-                        _ => Vec::new(),
-                    })
-                    .collect();
-                let is_wanted = |own: &Parameter| moving.iter().flatten().any(|(local, _)| local == own);
-                let parameters: Vec<Parameter> = chain().filter(is_wanted).collect();
-                let Seen { basic, prediction, derivatives } = self.predict(state, run, &parameters)?;
-                let length: usize = self.observed.channels_of(run).map(|channel| channel.rows.len()).sum();
-                let stack = |derivative: &Prediction| -> Vec<f64> {
-                    let channels = self.observed.channels_of(run);
-                    channels.flat_map(|channel| channel.derivative(&basic, &prediction, derivative)).collect()
-                };
-                let moved = |unknown: usize, step: f64| -> Result<Vec<f64>, Error> {
-                    let values = |sign: f64| -> Result<Vec<f64>, Error> {
-                        let mut state = state.clone();
-                        state.base[unknown] += sign * step;
-                        let seen = self.predict(&state, run, &[])?;
-                        let channels = self.observed.channels_of(run);
-                        Ok(channels.flat_map(|c| c.predicted(&seen.basic, &seen.prediction)).collect())
-                    };
-                    let (above, below) = (values(1.0)?, values(-1.0)?);
-                    Ok(above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect())
-                };
-                self.unknowns
-                    .iter()
-                    .enumerate()
-                    .map(|(number, unknown)| match unknown {
-                        Unknown::Chain(_, unit) if *unit == self.unit(run) => {
-                            let mut column = vec![0.0; length];
-                            for (local, weight) in &moving[number] {
-                                let at = parameters.iter().position(|p| p == local).unwrap_or(0);
-                                let Some(derivative) = derivatives[at].as_ref() else { continue };
-                                column.iter_mut().zip(stack(derivative)).for_each(|(c, d)| *c += weight * d);
-                            }
-                            Ok(column)
-                        }
-                        Unknown::Field(_) if self.observed.runs[run].setting.context.in_coils => {
-                            moved(number, 1.0)
-                        }
-                        Unknown::Turn { setting, .. } if *setting == self.settings[run] => {
-                            moved(number, TURN_RAD)
-                        }
-                        _ => Ok(vec![0.0; length]),
-                    })
-                    .collect::<Result<Vec<_>, Error>>()
-            })
-            .collect::<Result<_, Error>>()?;
-        Ok((0..self.unknowns.len())
-            .map(|k| match self.unknowns[k] {
-                Unknown::Level(channel) => self.level(channel),
-                _ => runs.iter().flat_map(|run| run[k].iter().copied()).collect(),
-            })
-            .collect())
+        let runs = (0..self.observed.runs.len()).into_par_iter();
+        let runs: Vec<Vec<Vec<f64>>> =
+            runs.map(|run| self.base_columns_in(state, run)).collect::<Result<_, Error>>()?;
+        let column = |(k, unknown): (usize, &Unknown)| match unknown {
+            Unknown::Level(channel) => self.level(*channel),
+            _ => runs.iter().flat_map(|run| run[k].iter().copied()).collect(),
+        };
+        Ok(self.unknowns.iter().enumerate().map(column).collect())
+    }
+
+    /// The same in one run, levels left out.
+    fn base_columns_in(&self, state: &State, run: usize) -> Result<Vec<Vec<f64>>, Error> {
+        let (now, _) = self.setting(state, run);
+        let moving = |unknown: &Unknown| match unknown {
+            Unknown::Chain(parameter, unit) if *unit == self.unit(run) => self.local(&now, run, *parameter),
+            _ => Vec::new(),
+        };
+        let moving: Vec<Vec<(Parameter, f64)>> = self.unknowns.iter().map(moving).collect();
+        let is_wanted = |own: &Parameter| moving.iter().flatten().any(|(local, _)| local == own);
+        let parameters: Vec<Parameter> = chain().filter(is_wanted).collect();
+        let seen = self.predict(state, run, &parameters)?;
+        let length = self.observed.channels_of(run).map(|channel| channel.rows.len()).sum();
+        let moved = |unknown: usize, step: f64| -> Result<Vec<f64>, Error> {
+            let values = |sign: f64| {
+                let mut state = state.clone();
+                state.base[unknown] += sign * step;
+                self.predicted_in(&state, run)
+            };
+            let (above, below) = (values(1.0)?, values(-1.0)?);
+            Ok(above.iter().zip(below).map(|(a, b)| (a - b) / (2.0 * step)).collect())
+        };
+        let column = |(number, unknown): (usize, &Unknown)| match unknown {
+            Unknown::Field(_) if self.observed.runs[run].setting.context.in_coils => moved(number, 1.0),
+            Unknown::Turn { setting, .. } if *setting == self.settings[run] => moved(number, TURN_RAD),
+            _ => {
+                let mut column = vec![0.0; length];
+                for (local, weight) in &moving[number] {
+                    let at = parameters.iter().position(|p| p == local).unwrap_or(0);
+                    let own = self.derivative_in(run, &seen, at);
+                    column.iter_mut().zip(own).for_each(|(c, d)| *c += weight * d);
+                }
+                Ok(column)
+            }
+        };
+        self.unknowns.iter().enumerate().map(column).collect()
+    }
+
+    /// The derivative with respect to one of the parameters of what is predicted of a run, channel by channel.
+    fn derivative_in(&self, run: usize, seen: &Seen, parameter: usize) -> Vec<f64> {
+        let of = |channel: &Channel| match &seen.derivatives[parameter] {
+            Some(derivative) => channel.derivative(&seen.basic, &seen.prediction, derivative),
+            None => vec![0.0; channel.rows.len()],
+        };
+        self.observed.channels_of(run).flat_map(of).collect()
     }
 
     /// What moves when a parameter of the chain moves. A turn counts along the tangents of the direction as
@@ -128,42 +120,26 @@ impl Model<'_> {
 
     /// Derivatives of what is predicted by parameters of effects, stacked.
     pub fn derivatives(&self, state: &State, parameters: &[Parameter]) -> Result<Vec<Vec<f64>>, Error> {
-        let parts: Vec<Vec<Vec<f64>>> = (0..self.observed.runs.len())
-            .into_par_iter()
-            .map(|run| {
-                let Seen { basic, prediction, derivatives } = self.predict(state, run, parameters)?;
-                let stack = |derivative: &Option<Prediction>| {
-                    let mut part = Vec::new();
-                    for channel in self.observed.channels_of(run) {
-                        match derivative {
-                            Some(derivative) => {
-                                part.extend(channel.derivative(&basic, &prediction, derivative));
-                            }
-                            None => part.extend(std::iter::repeat_n(0.0, channel.rows.len())),
-                        }
-                    }
-                    part
-                };
-                Ok(derivatives.iter().map(stack).collect())
-            })
-            .collect::<Result<_, Error>>()?;
-        Ok((0..parameters.len())
-            .map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect())
-            .collect())
+        let of = |run: usize| {
+            let seen = self.predict(state, run, parameters)?;
+            Ok((0..parameters.len()).map(|k| self.derivative_in(run, &seen, k)).collect())
+        };
+        let runs = (0..self.observed.runs.len()).into_par_iter();
+        let parts: Vec<Vec<Vec<f64>>> = runs.map(of).collect::<Result<_, Error>>()?;
+        let column = |k: usize| parts.iter().flat_map(|part| part[k].iter().copied()).collect();
+        Ok((0..parameters.len()).map(column).collect())
     }
 
     /// Columns of the last effect of a state: the derivatives by its amplitudes, or, of an effect that has
     /// none, by how much it changes what a state without it predicts, and whether it is that.
     pub fn columns_of_last(&self, without: &State, with: &State) -> Result<(Vec<Vec<f64>>, bool), Error> {
         let number = with.effects.len() - 1;
-        let infos = with.effects[number].kind.parameters().iter().enumerate();
-        let amplitudes: Vec<Parameter> = infos
-            .filter(|(_, info)| info.role == Role::Amplitude)
-            .map(|(k, _)| Parameter::Effect(number, k))
-            .collect();
+        let amplitudes = amplitudes(with.effects[number].kind);
         if amplitudes.is_empty() {
             return Ok((vec![self.change(without, with)?], true));
         }
+        let amplitudes: Vec<Parameter> =
+            amplitudes.into_iter().map(|k| Parameter::Effect(number, k)).collect();
         Ok((self.derivatives(with, &amplitudes)?, false))
     }
 }

@@ -1,6 +1,5 @@
 //! What is predicted of the recordings at a state, and what that leaves of the readings.
 
-use common::Axis;
 use nalgebra::Vector3;
 use physics::{Basic, Context, EffectInstance, Parameter, Prediction, frames};
 use rayon::prelude::*;
@@ -24,22 +23,19 @@ impl<'a> Model<'a> {
         let (basic, context) = self.setting(state, run);
         let acting: Vec<usize> = (0..state.effects.len()).filter(|k| state.acts[*k][run]).collect();
         let effects: Vec<EffectInstance> = acting.iter().map(|k| state.effects[*k].clone()).collect();
-        let mapped: Vec<Option<Parameter>> = parameters
-            .iter()
-            .map(|parameter| match parameter {
-                Parameter::Effect(effect, number) => {
-                    let at = acting.iter().position(|k| k == effect)?;
-                    Some(Parameter::Effect(at, *number))
-                }
-                other => Some(*other),
-            })
-            .collect();
+        let mapped = |parameter: &Parameter| match parameter {
+            Parameter::Effect(effect, number) => {
+                Some(Parameter::Effect(acting.iter().position(|k| k == effect)?, *number))
+            }
+            other => Some(*other),
+        };
+        let mapped: Vec<Option<Parameter>> = parameters.iter().map(mapped).collect();
         let wanted: Vec<Parameter> = mapped.iter().flatten().copied().collect();
         let failed = |error: physics::Error| error.at(&self.observed.runs[run].path);
         let (prediction, found) =
             physics::predict_with_jacobian(&basic, &effects, &context, &wanted).map_err(failed)?;
         let mut found = found.into_iter();
-        let derivatives = mapped.iter().map(|m| m.as_ref().and_then(|_| found.next())).collect();
+        let derivatives = mapped.iter().map(|there| there.and_then(|_| found.next())).collect();
         Ok(Seen { basic, prediction, derivatives })
     }
 
@@ -72,15 +68,10 @@ impl<'a> Model<'a> {
                 _ => {}
             }
         }
-        for axis in Axis::ALL {
-            let k = axis.index();
-            if turns[0][k] != [0.0; 2] {
-                let turned = frames::turned_at_length(&basic.mu.column(k).into_owned(), turns[0][k]);
-                basic.mu.set_column(k, &turned);
-            }
-            if turns[1][k] != [0.0; 2] {
-                let turned = frames::turned_at_length(&basic.eta.column(k).into_owned(), turns[1][k]);
-                basic.eta.set_column(k, &turned);
+        for (matrix, turns) in [&mut basic.mu, &mut basic.eta].into_iter().zip(turns) {
+            for (k, turn) in turns.into_iter().enumerate().filter(|(_, turn)| *turn != [0.0; 2]) {
+                let turned = frames::turned_at_length(&matrix.column(k).into_owned(), turn);
+                matrix.set_column(k, &turned);
             }
         }
         if rotation != Vector3::zeros() {
@@ -103,34 +94,28 @@ impl<'a> Model<'a> {
         column
     }
 
+    /// What is predicted of a run, nT, channel by channel.
+    pub(super) fn predicted_in(&self, state: &State, run: usize) -> Result<Vec<f64>, Error> {
+        let Seen { basic, prediction, .. } = self.predict(state, run, &[])?;
+        let channels = self.observed.channels_of(run);
+        Ok(channels.flat_map(|channel| channel.predicted(&basic, &prediction)).collect())
+    }
+
     /// What is predicted, nT, stacked.
     pub fn predicted(&self, state: &State) -> Result<Vec<f64>, Error> {
-        let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
-            .into_par_iter()
-            .map(|run| {
-                let seen = self.predict(state, run, &[])?;
-                let channels = self.observed.channels_of(run);
-                Ok(channels.flat_map(|channel| channel.predicted(&seen.basic, &seen.prediction)).collect())
-            })
-            .collect::<Result<_, Error>>()?;
+        let runs = (0..self.observed.runs.len()).into_par_iter();
+        let parts: Vec<Vec<f64>> =
+            runs.map(|run| self.predicted_in(state, run)).collect::<Result<_, Error>>()?;
         Ok(parts.concat())
     }
 
     /// Observed less predicted, nT, over all channels.
     pub fn residual(&self, state: &State) -> Result<Vec<f64>, Error> {
-        let parts: Vec<Vec<f64>> = (0..self.observed.runs.len())
-            .into_par_iter()
-            .map(|run| {
-                let seen = self.predict(state, run, &[])?;
-                let mut part = Vec::new();
-                for channel in self.observed.channels_of(run) {
-                    let predicted = channel.predicted(&seen.basic, &seen.prediction);
-                    part.extend(channel.readings.iter().zip(predicted).map(|(y, p)| channel.to_nt * y - p));
-                }
-                Ok(part)
-            })
-            .collect::<Result<_, Error>>()?;
-        let mut residual = parts.concat();
+        let mut residual = self.predicted(state)?;
+        for channel in &self.observed.channels {
+            let own = residual[channel.range()].iter_mut().zip(&channel.readings);
+            own.for_each(|(residual, reading)| *residual = channel.to_nt * reading - *residual);
+        }
         for (number, unknown) in self.unknowns.iter().enumerate() {
             if let Unknown::Level(channel) = unknown {
                 let level = state.base[number];

@@ -1,20 +1,21 @@
-//! The recordings with what is unknown of them, and where a fit stands.
+//! The recordings with what is unknown of them, and where a fit stands; and what effects that follow the field outside kept
+//! of the time before the recordings.
 
 use common::Axis;
 use nalgebra::Vector3;
-use physics::{EffectInstance, Kind, Role, Unit};
+use physics::{EffectInstance, Family, Kind, ParameterInfo, Role, Unit};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 use super::unknown::Unknown;
+use crate::Error;
+use crate::algebra::square;
 use crate::channel::Reader;
 use crate::observed::Observed;
-use crate::what::named;
 
 /// A single reading that is off by itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Single {
-    /// What it is, in words.
     pub what: String,
     /// Its row in the stack of all channels.
     pub row: usize,
@@ -26,11 +27,8 @@ pub struct Single {
 /// recorded: it dies with the effect's time constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Past {
-    /// Number of the effect.
     pub effect: usize,
-    /// Which of its relaxations.
     pub relaxation: usize,
-    /// Number of the channel.
     pub channel: usize,
     /// Its size in the first row, nT.
     pub height_nt: f64,
@@ -38,16 +36,13 @@ pub struct Past {
     pub std_nt: f64,
 }
 
-/// Where a fit stands.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct State {
     /// Of the unknowns of the base model: by how much they differ from the document.
     pub base: Vec<f64>,
     /// Effects that act: the document's, then those found.
     pub effects: Vec<EffectInstance>,
-    /// In which recordings each acts.
     pub acts: Vec<Vec<bool>>,
-    /// Single readings.
     pub singles: Vec<Single>,
     /// What is left of the time before the recordings.
     pub past: Vec<Past>,
@@ -67,23 +62,18 @@ impl State {
     }
 }
 
-/// The recordings with what is unknown of them.
 #[derive(Debug)]
 pub struct Model<'a> {
-    /// What was read.
     pub observed: Observed<'a>,
-    /// The unknowns of the base model.
     pub unknowns: Vec<Unknown>,
     /// Their standard uncertainty, where they are known with one beforehand.
     pub priors: Vec<Option<f64>>,
-    /// The setting of the block of each run.
     pub(super) settings: Vec<usize>,
     /// Which effects can act in which runs, as far as that was asked.
     pub(super) acting: Mutex<BTreeMap<(usize, String), bool>>,
 }
 
 impl Model<'_> {
-    /// A state with one effect more.
     pub fn with(&self, state: &State, effect: EffectInstance) -> State {
         let acts = self.acts(&effect);
         self.with_acting(state, effect, acts)
@@ -134,8 +124,7 @@ impl Model<'_> {
         state.effects.iter().enumerate().flat_map(of).collect()
     }
 
-    /// What is known beforehand of the unknowns of a state: which of them, by how much it stands off, and its
-    /// standard uncertainty.
+    /// What is known beforehand: which unknown, by how much it stands off, and its standard uncertainty.
     pub fn known(&self, state: &State) -> Vec<(usize, f64, f64)> {
         let base = self.priors.iter().zip(&state.base).enumerate();
         let base = base.filter_map(|(k, (prior, value))| prior.map(|std| (k, *value, std)));
@@ -165,20 +154,88 @@ impl Model<'_> {
         self.observed.runs[run].setting.context.unit
     }
 
-    /// Whether any channel is of a sensor, or of all together.
     pub fn reads(&self, axis: Axis) -> bool {
         let of = |reader: Reader| [Reader::Sensor(axis), Reader::Magnitude].contains(&reader);
         self.observed.channels.iter().any(|channel| of(channel.reader))
     }
 
-    /// Whether nothing was read but magnitudes.
     pub fn only_magnitudes(&self) -> bool {
         self.observed.channels.iter().all(|channel| channel.reader == Reader::Magnitude)
     }
 
-    /// Whether a coil is driven in any recording.
     pub fn drives(&self, axis: Axis) -> bool {
         let driven = |current: &Vector3<f64>| current[axis.index()].abs() > 0.0;
         self.observed.runs.iter().any(|run| run.setting.context.current_a.iter().any(driven))
     }
+}
+
+/// An effect with what it acts on.
+pub fn named(effect: &EffectInstance) -> String {
+    let name = effect.kind.name();
+    target(effect).map_or_else(|| name.to_string(), |target| format!("{name} {target}"))
+}
+
+/// What an effect acts on.
+pub fn target(effect: &EffectInstance) -> Option<String> {
+    effect.axis.map(|axis| axis.to_string()).or_else(|| effect.column.clone())
+}
+
+/// The numbers of the parameters of an effect that are amplitudes; none where its size is its shape.
+pub fn amplitudes(kind: Kind) -> Vec<usize> {
+    let infos = kind.parameters();
+    (0..infos.len()).filter(|k| infos[*k].role == Role::Amplitude).collect()
+}
+
+impl Model<'_> {
+    /// A state with the past of its effects from one on, unknown and as large as what they do.
+    pub fn with_past(&self, mut state: State, from: usize) -> Result<State, Error> {
+        for effect in from..state.effects.len() {
+            let relaxations = time_constants_s(&state.effects[effect]).len();
+            if relaxations == 0 {
+                continue;
+            }
+            let mut without = state.clone();
+            without.acts[effect].fill(false);
+            let does = self.change(&without, &state)?;
+            for (channel, of) in self.observed.channels.iter().enumerate() {
+                let std_nt = (square(&does[of.range()]) / of.rows.len() as f64).sqrt();
+                let past = |relaxation| Past { effect, relaxation, channel, height_nt: 0.0, std_nt };
+                state.past.extend((0..relaxations).filter(|_| std_nt > 0.0).map(past));
+            }
+        }
+        Ok(state)
+    }
+
+    /// What one nT of it does, stacked.
+    pub(super) fn past(&self, state: &State, past: &Past) -> Vec<f64> {
+        let mut column = vec![0.0; self.observed.rows];
+        let channel = &self.observed.channels[past.channel];
+        let time = self.observed.runs[channel.run].time_s;
+        let taus = time_constants_s(&state.effects[past.effect]);
+        if let (Some(time), Some(tau)) = (time, taus.get(past.relaxation)) {
+            for (at, row) in channel.range().zip(&channel.rows) {
+                column[at] = ((time[0] - time[*row]) / tau).exp();
+            }
+        }
+        column
+    }
+}
+
+/// Which parameter is the time constant of an effect that remembers fields. One that remembers temperatures has none
+/// here: they are let settle before a recording.
+pub fn time_constant(kind: Kind) -> Option<usize> {
+    let about = kind.about();
+    let remembers = matches!(about.family, Family::LateResponse | Family::OutsideField);
+    let is_it = |info: &ParameterInfo| ["lag_s", "time_constant_s"].contains(&info.name);
+    about.parameters.iter().position(is_it).filter(|_| remembers)
+}
+
+/// The time constants of an effect of the field outside, which was there before; drives were at rest.
+fn time_constants_s(effect: &EffectInstance) -> Vec<f64> {
+    let infos = effect.kind.parameters();
+    let place = time_constant(effect.kind).filter(|_| effect.kind.follows_outside());
+    let second = infos.iter().position(|info| info.name == "second_lag_ratio");
+    let Some(tau) = place.map(|place| effect.parameters[place]) else { return Vec::new() };
+    let second = second.map(|place| effect.parameters[place] * tau).filter(|tau| *tau > 0.0);
+    std::iter::once(tau).chain(second).collect()
 }

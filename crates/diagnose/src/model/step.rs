@@ -7,7 +7,7 @@
 
 use common::Axis;
 use nalgebra::{Matrix3, Vector3};
-use physics::{Parameter, ParameterInfo, Role, Unit, frames};
+use physics::{Basic, Parameter, ParameterInfo, Role, Unit, frames};
 
 use super::state::{Model, State};
 use super::unknown::Unknown;
@@ -60,49 +60,59 @@ impl Model<'_> {
     /// straight line. Coils and sensors that move together by any linear map leave the coils' field in the
     /// sensors as it was: where all of both is unknown, such maps are made as a whole.
     fn straighten(&self, before: &State, next: &mut State) {
-        for run in 0..self.observed.runs.len() {
+        for (run, own) in self.observed.runs.iter().enumerate() {
             let unit = self.unit(run);
             if (0..run).any(|earlier| self.unit(earlier) == unit) {
                 continue;
             }
-            let mut sensors = Axis::ALL.map(|axis| self.sensor_moved(before, next, (run, unit, axis)));
-            if let Some(coils) = self.coils_moved(before, next, (run, unit)) {
+            let chain = Chain { unknowns: &self.unknowns, basic: &own.setting.basic, unit };
+            let mut sensors = Axis::ALL.map(|axis| chain.sensor_moved((before, next), axis));
+            if let Some(coils) = chain.coils_moved((before, next)) {
                 let [now, by] = coils.map(|vectors| Matrix3::from_columns(&vectors));
                 let vectors = [0, 1].map(|k| Matrix3::from_columns(&sensors.map(|sensor| sensor.vector[k])));
                 if let (Some(coils), Some(moved)) = (mapped(&now, &by), mapped(&vectors[0], &vectors[1])) {
-                    self.set_coils(next, (run, unit), &coils);
+                    chain.set_coils(next, &coils);
                     for (k, sensor) in sensors.iter_mut().enumerate() {
                         sensor.vector[1] = moved.column(k) - sensor.vector[0];
                     }
                 }
             }
             for (axis, sensor) in Axis::ALL.into_iter().zip(sensors) {
-                self.straighten_sensor(next, (run, unit, axis), &sensor);
+                chain.straighten_sensor(next, axis, &sensor);
             }
         }
     }
+}
 
-    /// The coils' vectors, constant times direction, before a step and by how much it moves them; None unless
-    /// all of coils and sensors is unknown.
-    fn coils_moved(
-        &self,
-        before: &State,
-        next: &State,
-        (run, unit): (usize, Unit),
-    ) -> Option<[[Vector3<f64>; 3]; 2]> {
-        let basic = &self.observed.runs[run].setting.basic;
+/// The constants of the readings in a unit, as they came.
+struct Chain<'m> {
+    unknowns: &'m [Unknown],
+    basic: &'m Basic,
+    unit: Unit,
+}
+
+impl Chain<'_> {
+    fn unknown(&self, parameter: Parameter) -> Option<usize> {
+        self.unknowns.iter().position(|unknown| *unknown == Unknown::Chain(parameter, self.unit))
+    }
+
+    fn turns(&self, of: fn(Axis, usize) -> Parameter, axis: Axis) -> [Option<usize>; 2] {
+        [0, 1].map(|which| self.unknown(of(axis, which)))
+    }
+
+    /// Constant times direction of each coil before, and its move; None unless all of coils and sensors is unknown.
+    fn coils_moved(&self, (before, next): (&State, &State)) -> Option<[[Vector3<f64>; 3]; 2]> {
         let mut vectors = [[Vector3::zeros(); 3]; 2];
         for axis in Axis::ALL {
-            self.unknown(unit, Parameter::Sensitivity(axis))?;
-            for turn in self.turns(unit, |which| Parameter::SensorTurn(axis, which)) {
-                turn?;
-            }
-            let constant = self.unknown(unit, Parameter::CoilConstant(axis))?;
-            let turns = self.turns(unit, |which| Parameter::CoilTurn(axis, which));
+            self.unknown(Parameter::Sensitivity(axis))?;
+            let [first, second] = self.turns(Parameter::SensorTurn, axis);
+            first.and(second)?;
+            let constant = self.unknown(Parameter::CoilConstant(axis))?;
+            let turns = self.turns(Parameter::CoilTurn, axis);
             turns[0].and(turns[1])?;
             let k = axis.index();
-            let c = basic.coils[k].constant_nt_per_a + before.base[constant];
-            let stated = basic.eta.column(k).normalize();
+            let c = self.basic.coils[k].constant_nt_per_a + before.base[constant];
+            let stated = self.basic.eta.column(k).normalize();
             let [direction, turned] = turned_by_step(&stated, turns, (before, next));
             vectors[0][k] = direction * c;
             vectors[1][k] = turned * c + direction * (next.base[constant] - before.base[constant]);
@@ -110,48 +120,29 @@ impl Model<'_> {
         Some(vectors)
     }
 
-    fn set_coils(&self, next: &mut State, (run, unit): (usize, Unit), coils: &Matrix3<f64>) {
-        let basic = &self.observed.runs[run].setting.basic;
+    fn set_coils(&self, next: &mut State, coils: &Matrix3<f64>) {
         for axis in Axis::ALL {
             let k = axis.index();
-            let (stated, coil) = (basic.eta.column(k).normalize(), coils.column(k).into_owned());
-            let constant = coil.norm() * coil.dot(&stated).signum();
-            set(
-                next,
-                self.unknown(unit, Parameter::CoilConstant(axis)),
-                constant - basic.coils[k].constant_nt_per_a,
-            );
-            set_turns(
-                next,
-                self.turns(unit, |which| Parameter::CoilTurn(axis, which)),
-                along_tangents(&stated, &coil),
-            );
+            let (stated, coil) = (self.basic.eta.column(k).normalize(), coils.column(k).into_owned());
+            let constant = coil.norm() * coil.dot(&stated).signum() - self.basic.coils[k].constant_nt_per_a;
+            set(next, self.unknown(Parameter::CoilConstant(axis)), constant);
+            set_turns(next, self.turns(Parameter::CoilTurn, axis), along_tangents(&stated, &coil));
         }
     }
 
-    /// The unknowns that two turns are.
-    fn turns(&self, unit: Unit, of: impl Fn(usize) -> Parameter) -> [Option<usize>; 2] {
-        [0, 1].map(|which| self.unknown(unit, of(which)))
-    }
-
-    fn unknown(&self, unit: Unit, parameter: Parameter) -> Option<usize> {
-        self.unknowns.iter().position(|unknown| *unknown == Unknown::Chain(parameter, unit))
-    }
-
     /// What a sensor's reading is made of before a step, and by how much the step moves it.
-    fn sensor_moved(&self, before: &State, next: &State, (run, unit, axis): (usize, Unit, Axis)) -> Sensor {
-        let basic = &self.observed.runs[run].setting.basic;
-        let stated = basic.sensors[axis.index()];
-        let column: Vector3<f64> = basic.mu.column(axis.index()).into_owned();
+    fn sensor_moved(&self, (before, next): (&State, &State), axis: Axis) -> Sensor {
+        let stated = self.basic.sensors[axis.index()];
+        let column: Vector3<f64> = self.basic.mu.column(axis.index()).into_owned();
         let (length, direction) = (column.norm(), column.normalize());
-        let turns = self.turns(unit, |which| Parameter::SensorTurn(axis, which));
+        let turns = self.turns(Parameter::SensorTurn, axis);
         let [mu, d_mu] = turned_by_step(&direction, turns, (before, next)).map(|part| part * length);
         let of = |stated: f64, unknown: Option<usize>| {
             let now = value(before, unknown);
             [stated + now, value(next, unknown) - now]
         };
-        let [k, d_k] = of(stated.sensitivity, self.unknown(unit, Parameter::Sensitivity(axis)));
-        let [o, d_o] = of(stated.offset_nt, self.unknown(unit, Parameter::SensorOffset(axis)));
+        let [k, d_k] = of(stated.sensitivity, self.unknown(Parameter::Sensitivity(axis)));
+        let [o, d_o] = of(stated.offset_nt, self.unknown(Parameter::SensorOffset(axis)));
         Sensor {
             vector: [mu / k, d_mu / k - mu * (d_k / (k * k))],
             offset: o / k + d_o / k - o * d_k / (k * k),
@@ -159,10 +150,9 @@ impl Model<'_> {
         }
     }
 
-    fn straighten_sensor(&self, next: &mut State, (run, unit, axis): (usize, Unit, Axis), sensor: &Sensor) {
-        let basic = &self.observed.runs[run].setting.basic;
-        let stated = basic.sensors[axis.index()];
-        let column: Vector3<f64> = basic.mu.column(axis.index()).into_owned();
+    fn straighten_sensor(&self, next: &mut State, axis: Axis, sensor: &Sensor) {
+        let stated = self.basic.sensors[axis.index()];
+        let column: Vector3<f64> = self.basic.mu.column(axis.index()).into_owned();
         let m = sensor.vector[0] + sensor.vector[1];
         let direction = column.normalize();
         let turn = along_tangents(&direction, &m);
@@ -171,11 +161,11 @@ impl Model<'_> {
         if !(along > 0.0 && along.is_finite()) || far {
             return;
         }
-        let sensitivity = self.unknown(unit, Parameter::Sensitivity(axis));
+        let sensitivity = self.unknown(Parameter::Sensitivity(axis));
         let k = if sensitivity.is_some() { column.norm() / m.norm() } else { sensor.sensitivity };
         set(next, sensitivity, k - stated.sensitivity);
-        set(next, self.unknown(unit, Parameter::SensorOffset(axis)), sensor.offset * k - stated.offset_nt);
-        set_turns(next, self.turns(unit, |which| Parameter::SensorTurn(axis, which)), turn);
+        set(next, self.unknown(Parameter::SensorOffset(axis)), sensor.offset * k - stated.offset_nt);
+        set_turns(next, self.turns(Parameter::SensorTurn, axis), turn);
     }
 }
 

@@ -1,11 +1,12 @@
-//! What is unknown of the base model: of the calibration and of each recording.
+//! What is unknown of the base model, of the calibration and of each recording, and what is known of it beforehand.
 
-use common::{Axis, Document};
+use common::{AxesDirections, Axis, Calibration, Quantity, procedure, uncertainty};
 use estimate::screen::Screen;
 use faer::Mat;
-use physics::{Parameter, Unit};
+use physics::{Parameter, Unit, frames};
 
 use crate::Error;
+use crate::channel::Channel;
 use crate::observed::Observed;
 
 /// How well an offset of a sensor is known at least, nT. In one orientation it is one with the offset of the
@@ -15,7 +16,6 @@ pub(super) const OFFSET_NT: f64 = 1000.0;
 /// Share of a column's squared length that is rounding.
 const SAME: f64 = 1e-9;
 
-/// One unknown of the base model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unknown {
     /// A parameter of the chain of readings in a unit.
@@ -25,12 +25,7 @@ pub enum Unknown {
     /// The level of a channel in a shield, nT; of opposite sign in the two positions of a reversal.
     Level(usize),
     /// The turn of the block from where the theodolites have it, about a SEN axis, in one setting; rad.
-    Turn {
-        /// Number of the setting.
-        setting: usize,
-        /// The axis.
-        about: usize,
-    },
+    Turn { setting: usize, about: usize },
 }
 
 /// Those of some columns that all the others say as well.
@@ -49,23 +44,21 @@ pub(super) fn undetermined(columns: &[&Vec<f64>], some: Vec<usize>) -> Result<Ve
 }
 
 /// All that may be unknown of the base model, with its uncertainty where it is known with one beforehand.
-pub(super) fn possible(
-    document: &Document,
-    observed: &Observed<'_>,
-    settings: &[usize],
-) -> Vec<(Unknown, Option<f64>)> {
+pub(super) fn possible(observed: &Observed<'_>, settings: &[usize]) -> Vec<(Unknown, Option<f64>)> {
     let mut all: Vec<(Unknown, Option<f64>)> = Vec::new();
     for unit in [Unit::Volt, Unit::Nanotesla] {
         all.extend(chain().map(|parameter| (Unknown::Chain(parameter, unit), None)));
     }
-    let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
+    let axes = observed.document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
     if axes.is_some_and(|axes| axes.residual_field_nt.is_some()) {
         all.extend(Axis::ALL.map(|axis| (Unknown::Field(axis), None)));
     }
-    let channels = observed.channels.iter().enumerate();
-    all.extend(
-        channels.filter(|(_, c)| observed.runs[c.run].in_shield()).map(|(k, _)| (Unknown::Level(k), None)),
-    );
+    // In a shield the field is not known.
+    let shields = [procedure::SENSOR_NOISE, procedure::SENSOR_OFFSET_REVERSAL, procedure::OFFSET_DRIFT];
+    let in_shield =
+        |channel: &Channel| shields.contains(&observed.runs[channel.run].recording.procedure.as_str());
+    let channels = observed.channels.iter().enumerate().filter(|(_, channel)| in_shield(channel));
+    all.extend(channels.map(|(number, _)| (Unknown::Level(number), None)));
     for setting in 0..settings.iter().max().map_or(0, |last| last + 1) {
         let run = settings.iter().position(|s| *s == setting).unwrap_or(0);
         let uncertain = observed.runs[run].setting.context.orientation.uncertainty.diagonal();
@@ -76,8 +69,7 @@ pub(super) fn possible(
     all
 }
 
-/// The parameters of the chain.
-pub(super) fn chain() -> impl Iterator<Item = Parameter> {
+pub fn chain() -> impl Iterator<Item = Parameter> {
     Axis::ALL.into_iter().flat_map(|axis| {
         [
             Parameter::Sensitivity(axis),
@@ -92,8 +84,7 @@ pub(super) fn chain() -> impl Iterator<Item = Parameter> {
     })
 }
 
-/// The setting of the block of each run: recordings of one orientation share it, unless they name it
-/// otherwise.
+/// The setting of the block of each run: one orientation is one, unless recordings name it otherwise.
 pub(super) fn settings(observed: &Observed<'_>) -> Vec<usize> {
     let mut seen: Vec<(Option<&str>, nalgebra::Matrix3<f64>)> = Vec::new();
     observed
@@ -107,4 +98,76 @@ pub(super) fn settings(observed: &Observed<'_>) -> Vec<usize> {
             })
         })
         .collect()
+}
+
+/// Where a calibration states a constant; None of turns and of what it does not hold.
+pub fn place<'c>(calibration: &'c mut Calibration, unknown: &Unknown) -> Option<&'c mut Option<Quantity>> {
+    let sensor = |calibration: &'c mut Calibration, axis: Axis| {
+        calibration.sensors.get_or_insert_default().entry(axis).get_or_insert_default()
+    };
+    let coil = |calibration: &'c mut Calibration, axis: Axis| {
+        calibration.coils.get_or_insert_default().entry(axis).get_or_insert_default()
+    };
+    Some(match unknown {
+        Unknown::Chain(Parameter::Sensitivity(axis), Unit::Volt) => {
+            &mut sensor(calibration, *axis).sensitivity_nt_per_v
+        }
+        Unknown::Chain(Parameter::Sensitivity(axis), Unit::Nanotesla) => {
+            &mut sensor(calibration, *axis).sensitivity_nt_per_nt
+        }
+        Unknown::Chain(Parameter::SensorOffset(axis), _) => &mut sensor(calibration, *axis).offset_nt,
+        Unknown::Chain(Parameter::CoilConstant(axis), _) => &mut coil(calibration, *axis).constant_nt_per_a,
+        Unknown::Chain(Parameter::CoilOffset(axis), _) => &mut coil(calibration, *axis).offset_nt,
+        Unknown::Field(axis) => {
+            calibration.axes.get_or_insert_default().residual_field_nt.get_or_insert_default().entry(*axis)
+        }
+        _ => return None,
+    })
+}
+
+/// The same of what a fit moves: what axescal adds to an offset has the uncertainty of the sum.
+pub fn moving_place<'c>(
+    calibration: &'c mut Calibration,
+    unknown: &Unknown,
+) -> Option<&'c mut Option<Quantity>> {
+    match unknown {
+        Unknown::Chain(Parameter::SensorOffset(axis), _) if is_sum(calibration, *axis) => {
+            Some(calibration.axes.as_mut()?.offsets_nt.as_mut()?.entry(*axis))
+        }
+        _ => place(calibration, unknown),
+    }
+}
+
+pub fn path(calibration: Option<&Calibration>, unknown: &Unknown) -> Option<String> {
+    Some(match unknown {
+        Unknown::Chain(Parameter::Sensitivity(axis), unit) => uncertainty::sensitivity(*axis, unit.suffix()),
+        Unknown::Chain(Parameter::SensorOffset(axis), _)
+            if calibration.is_some_and(|calibration| is_sum(calibration, *axis)) =>
+        {
+            uncertainty::added_offset(*axis)
+        }
+        Unknown::Chain(Parameter::SensorOffset(axis), _) => uncertainty::sensor_offset(*axis),
+        Unknown::Chain(Parameter::CoilConstant(axis), _) => uncertainty::coil_constant(*axis),
+        Unknown::Chain(Parameter::CoilOffset(axis), _) => uncertainty::coil_offset(*axis),
+        Unknown::Field(axis) => uncertainty::residual_field(*axis),
+        _ => return None,
+    })
+}
+
+fn is_sum(calibration: &Calibration, axis: Axis) -> bool {
+    let added = calibration.axes.as_ref().and_then(|axes| axes.offsets_nt.as_ref()?.get(axis));
+    added.is_some_and(|added| added.std().is_some())
+}
+
+/// Standard uncertainty that a calibration (a copy) states of a constant; none where it states none.
+pub fn stated_std(calibration: &mut Calibration, unknown: &Unknown) -> Option<f64> {
+    let turn = |of: &Option<AxesDirections>, axis: Axis| {
+        of.as_ref()?.std_arcsec.as_ref()?.get(axis).map(|std| std * frames::ARCSEC)
+    };
+    let std = match unknown {
+        Unknown::Chain(Parameter::SensorTurn(axis, _), _) => turn(&calibration.axes.as_ref()?.sensors, *axis),
+        Unknown::Chain(Parameter::CoilTurn(axis, _), _) => turn(&calibration.axes.as_ref()?.coils, *axis),
+        _ => place(calibration, unknown)?.as_ref()?.std(),
+    };
+    std.filter(|std| *std > 0.0)
 }

@@ -1,14 +1,13 @@
 //! The effects that explain, with their parameters and the evidence.
 
-use common::{Axis, ExplainedEffect, ListedEffect, Quantity, Rival, Verdict};
+use common::{Axis, ExplainedEffect, ListedEffect, Quantity, Verdict};
 use indexmap::IndexMap;
 use physics::{EffectInstance, Kind, Role};
 use std::ops::Range;
 
 use super::residuals::floor;
+use crate::codes;
 use crate::covariates::on_coil;
-use crate::fit::Fitter;
-use crate::lattice;
 use crate::model::Model;
 use crate::proposal::Addition;
 use crate::sized;
@@ -27,53 +26,42 @@ pub(super) fn places_of(outcome: &Outcome, number: usize) -> (Range<usize>, Rang
         all.filter(|one| matches!(one, Addition::Effect(_)) == is_effect).count()
     };
     let (before, own) = (&outcome.found[..number], &outcome.found[number..=number]);
-    let first = [outcome.base.state.effects.len() + count(before, true), count(before, false)];
+    let first = [outcome.base.fit.state.effects.len() + count(before, true), count(before, false)];
     (first[0]..first[0] + count(own, true), first[1]..first[1] + count(own, false))
 }
 
 /// Parameters of the effects of the final state with their uncertainty.
 pub fn quantities(model: &Model<'_>, outcome: &Outcome) -> Vec<IndexMap<String, Quantity>> {
-    (0..outcome.fit.state.effects.len()).map(|effect| effect_quantities(model, outcome, effect)).collect()
-}
-
-fn effect_quantities(model: &Model<'_>, outcome: &Outcome, effect: usize) -> IndexMap<String, Quantity> {
-    let state = &outcome.fit.state;
-    let free = model.free(state);
-    let rest = &outcome.last.rest;
+    let (fit, rest) = (&outcome.now.fit, &outcome.now.look.rest);
+    let free = model.free(&fit.state);
     // Something is left that no model has, or another name is as good.
     let open = matches!(outcome.verdict, Verdict::PartlyExplained | Verdict::Ambiguous);
-    let instance = &state.effects[effect];
-    let parameters = instance.kind.parameters().iter().zip(&instance.parameters).enumerate();
-    parameters
-        .map(|(number, (info, value))| {
-            let at = free.iter().position(|(e, p)| (*e, *p) == (effect, number));
-            let fitted = |at: usize| {
-                let at = model.unknowns.len() + at;
-                let factor = if info.role == Role::Shape { *value } else { 1.0 };
-                (outcome.fit.covariance[(at, at)] * rest.scale()).sqrt() * factor
-            };
-            // The moment of a step or a spike is that of a row, and has no uncertainty that follows from a
-            // fit.
-            let std = match instance.kind {
-                Kind::Quantisation => lattice::width_std(model, state, instance),
-                _ => at.map_or(0.0, fitted),
-            };
-            let quantity = sized::quantity(*value, std, rest.known + rest.freedom, Some(info));
-            let of_forms = |at: usize| {
-                let at = model.unknowns.len() + at;
-                outcome.fit.beyond[(at, at)] > BY_FORMS * outcome.fit.covariance[(at, at)]
-            };
-            let at_least = open || at.is_some_and(of_forms);
-            (info.name.to_string(), if at_least { quantity.at_least() } else { quantity })
-        })
-        .collect()
+    let quantity = |effect: usize, number: usize| {
+        let instance = &fit.state.effects[effect];
+        let (info, value) = (&instance.kind.parameters()[number], instance.parameters[number]);
+        let at = free.iter().position(|of| *of == (effect, number)).map(|at| model.unknowns.len() + at);
+        let factor = if info.role == Role::Shape { value } else { 1.0 };
+        // The moment of a step or a spike is that of a row, and has no uncertainty that follows from a fit.
+        let std = match instance.kind {
+            Kind::Quantisation => codes::width_std(model, &fit.state, instance),
+            _ => at.map_or(0.0, |at| (fit.covariance[(at, at)] * rest.scale()).sqrt() * factor),
+        };
+        let quantity = sized::quantity(value, std, rest.known + rest.freedom, Some(info));
+        let of_forms = |at: usize| fit.beyond[(at, at)] > BY_FORMS * fit.covariance[(at, at)];
+        let at_least = open || at.is_some_and(of_forms);
+        (info.name.to_string(), if at_least { quantity.at_least() } else { quantity })
+    };
+    let of = |effect: usize| {
+        (0..fit.state.effects[effect].parameters.len()).map(|number| quantity(effect, number)).collect()
+    };
+    (0..fit.state.effects.len()).map(of).collect()
 }
 
 /// Share of the energy of the unknowns from `from` on that the base model leaves.
-fn visible(fitter: &Fitter<'_, '_>, outcome: &Outcome, of: &[usize]) -> Result<f64, Error> {
-    let base: Vec<usize> = (0..fitter.model.unknowns.len()).collect();
-    let jacobian = &outcome.fit.jacobian;
-    let screen = fitter.screen(jacobian, &[], &outcome.fit.white).given(&base)?;
+fn visible(model: &Model<'_>, outcome: &Outcome, of: &[usize]) -> Result<f64, Error> {
+    let base: Vec<usize> = (0..model.unknowns.len()).collect();
+    let jacobian = &outcome.now.fit.jacobian;
+    let screen = outcome.now.fitter(model).screen(jacobian, &[], &outcome.now.fit.white).given(&base)?;
     let (mut left, mut whole) = (0.0, 0.0);
     for column in of {
         let energy: f64 = jacobian.col_as_slice(*column).iter().map(|value| value * value).sum();
@@ -82,70 +70,59 @@ fn visible(fitter: &Fitter<'_, '_>, outcome: &Outcome, of: &[usize]) -> Result<f
     Ok(if whole > 0.0 { left / whole } else { 0.0 })
 }
 
-pub(super) fn explained(
-    model: &Model<'_>,
-    outcome: &Outcome,
-    fitter: &Fitter<'_, '_>,
-) -> Result<Vec<ExplainedEffect>, Error> {
-    let base = model.unknowns.len();
-    let free = model.free(&outcome.fit.state);
-    let floor = floor(outcome);
-    outcome
-        .found
-        .iter()
-        .enumerate()
-        .map(|(number, found)| {
-            let rivals = found
-                .lost
-                .iter()
-                .map(|(effect, why_not)| Rival { effect: effect.clone(), why_not: why_not.clone() });
-            let count = outcome.fit.residual.len() as f64;
-            let gains: Vec<f64> =
-                found.held_out.iter().map(|gain| in_nt(*gain, count / 6.0, floor)).collect();
-            let mut effect = ExplainedEffect {
-                p_adjusted: found.p_adjusted,
-                probability: Some(found.probability),
-                share: Some(found.share),
-                departure: Some(found.departure),
-                title: found.name.clone(),
-                held_out_gain_nt: in_nt(found.held_out.iter().sum(), count, floor),
-                held_out_by_block_nt: gains,
-                rivals: rivals.collect(),
-                ..ExplainedEffect::default()
-            };
-            let (effects, singles) = places_of(outcome, number);
-            let own = (0..free.len()).filter(|k| effects.contains(&free[*k].0)).map(|k| base + k);
-            let own: Vec<usize> = own.chain(singles.clone().map(|k| base + free.len() + k)).collect();
-            effect.visible_fraction = visible(fitter, outcome, &own)?;
-            let instances = &outcome.fit.state.effects[effects.clone()];
-            let several_sensors = instances.iter().any(|instance| instance.axis != instances[0].axis);
-            for at in effects {
-                let instance = &outcome.fit.state.effects[at];
-                describe(&mut effect, instance, &outcome.parameters[at]);
-                effect.list.push(ListedEffect {
-                    recording: instance.recording.clone(),
-                    parameters: outcome.parameters[at].clone(),
-                });
-            }
-            for place in singles {
-                let at = base + free.len() + place;
-                let std = (outcome.fit.covariance[(at, at)] * outcome.last.rest.scale()).sqrt();
-                effect.effect = Kind::Spike.name().into();
-                effect.equation = "dB = h in one reading".into();
-                let height = Quantity::new(outcome.fit.state.singles[place].height_nt, std);
-                let parameters = [("height_nt".to_string(), height)].into_iter().collect();
-                effect.list.push(ListedEffect { parameters, ..ListedEffect::default() });
-            }
-            if several_sensors {
-                together(&mut effect, instances);
-            }
-            if effect.list.len() == 1 {
-                let one = effect.list.remove(0);
-                (effect.recording, effect.parameters) = (one.recording, one.parameters);
-            }
-            Ok(effect)
-        })
-        .collect()
+pub(super) fn explained(model: &Model<'_>, outcome: &Outcome) -> Result<Vec<ExplainedEffect>, Error> {
+    (0..outcome.found.len()).map(|number| one(model, outcome, number)).collect()
+}
+
+fn one(model: &Model<'_>, outcome: &Outcome, number: usize) -> Result<ExplainedEffect, Error> {
+    let (found, fit) = (&outcome.found[number], &outcome.now.fit);
+    let (base, free, floor) = (model.unknowns.len(), model.free(&fit.state), floor(outcome));
+    let (effects, singles) = places_of(outcome, number);
+    let instances = &fit.state.effects[effects.clone()];
+    let parameters = &outcome.parameters[effects.clone()];
+    let own = (0..free.len()).filter(|k| effects.contains(&free[*k].0)).map(|k| base + k);
+    let own: Vec<usize> = own.chain(singles.clone().map(|k| base + free.len() + k)).collect();
+    let count = fit.residual.len() as f64;
+    let what = match instances.iter().zip(parameters).next_back() {
+        Some((instance, parameters)) => acting(instance, parameters),
+        None => ExplainedEffect {
+            effect: Kind::Spike.name().into(),
+            equation: "dB = h in one reading".into(),
+            title: found.name.clone(),
+            ..ExplainedEffect::default()
+        },
+    };
+    let listed = instances.iter().zip(parameters).map(|(instance, parameters)| ListedEffect {
+        recording: instance.recording.clone(),
+        parameters: parameters.clone(),
+    });
+    let readings = singles.map(|place| {
+        let at = base + free.len() + place;
+        let std = (fit.covariance[(at, at)] * outcome.now.look.rest.scale()).sqrt();
+        let height = Quantity::new(fit.state.singles[place].height_nt, std);
+        let parameters = [("height_nt".to_string(), height)].into_iter().collect();
+        ListedEffect { parameters, ..ListedEffect::default() }
+    });
+    let mut effect = ExplainedEffect {
+        p_adjusted: found.p,
+        probability: Some(found.probability),
+        share: Some(found.share),
+        departure: Some(found.departure),
+        held_out_gain_nt: in_nt(found.held_out.iter().sum(), count, floor),
+        held_out_by_block_nt: found.held_out.iter().map(|gain| in_nt(*gain, count / 6.0, floor)).collect(),
+        rivals: found.lost.clone(),
+        visible_fraction: visible(model, outcome, &own)?,
+        list: listed.chain(readings).collect(),
+        ..what
+    };
+    if instances.iter().any(|instance| instance.axis != instances[0].axis) {
+        together(&mut effect, instances);
+    }
+    if effect.list.len() == 1 {
+        let one = effect.list.remove(0);
+        (effect.recording, effect.parameters) = (one.recording, one.parameters);
+    }
+    Ok(effect)
 }
 
 /// What happened in several sensors at one moment as one, with an amplitude for each.
@@ -170,28 +147,33 @@ fn together(effect: &mut ExplainedEffect, instances: &[EffectInstance]) {
     effect.list = vec![ListedEffect { recording, parameters }];
 }
 
-/// Says what an effect is.
-fn describe(
-    effect: &mut ExplainedEffect,
-    instance: &EffectInstance,
-    parameters: &IndexMap<String, Quantity>,
-) {
-    let about = instance.kind.about();
-    let coil = on_coil(instance);
-    effect.effect = about.name.into();
-    effect.sensor = match (instance.axis, &followers(parameters)[..]) {
-        (None, [only]) => Some(*only),
-        (axis, _) => axis.filter(|_| !coil),
-    };
-    effect.coil = instance.axis.filter(|_| coil);
-    effect.column = instance.column.clone();
-    effect.title = about.title.into();
-    effect.physics = about.physics.into();
-    effect.equation = about.equation.into();
-    effect.source = about.source.into();
+/// An effect of the catalogue in its words.
+pub fn described(kind: Kind) -> ExplainedEffect {
+    let about = kind.about();
+    ExplainedEffect {
+        effect: about.name.into(),
+        title: about.title.into(),
+        physics: about.physics.into(),
+        equation: about.equation.into(),
+        source: about.source.into(),
+        ..ExplainedEffect::default()
+    }
 }
 
-/// The sensors that follow a column beyond chance.
+/// The same with what it acts on.
+fn acting(instance: &EffectInstance, parameters: &IndexMap<String, Quantity>) -> ExplainedEffect {
+    let coil = on_coil(instance);
+    ExplainedEffect {
+        sensor: match (instance.axis, &followers(parameters)[..]) {
+            (None, [only]) => Some(*only),
+            (axis, _) => axis.filter(|_| !coil),
+        },
+        coil: instance.axis.filter(|_| coil),
+        column: instance.column.clone(),
+        ..described(instance.kind)
+    }
+}
+
 pub(super) fn followers(parameters: &IndexMap<String, Quantity>) -> Vec<Axis> {
     let follows = |axis: &Axis| {
         let coefficient = parameters.get(&format!("{axis}_nt_per_unit"));

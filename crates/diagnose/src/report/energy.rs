@@ -5,7 +5,7 @@ use estimate::even::{NEAR, Places};
 use estimate::sine::power_along;
 use nalgebra::Vector3;
 
-use super::guilty::Guilty;
+use super::places::Guilty;
 use crate::channel::Channel;
 use crate::covariates;
 use crate::model::Model;
@@ -29,13 +29,13 @@ pub(super) fn energy(
     fields: &[Vec<Vector3<f64>>],
 ) -> Result<Vec<EnergyShare>, Error> {
     let observed = &model.observed;
-    let mut without = outcome.fit.state.clone();
-    without.keep_effects(|number| number < outcome.base.state.effects.len());
-    without.singles.truncate(outcome.base.state.singles.len());
-    let white = outcome.noise.whiten(observed, &model.residual(&without)?);
-    let rest = &outcome.last.rest;
+    let mut without = outcome.now.fit.state.clone();
+    without.keep_effects(|number| number < outcome.base.fit.state.effects.len());
+    without.singles.truncate(outcome.base.fit.state.singles.len());
+    let white = outcome.now.noise.whiten(observed, &model.residual(&without)?);
+    let rest = &outcome.now.look.rest;
     let noise = if rest.known == 0.0 && outcome.found.is_empty() { 0.0 } else { rest.scale() };
-    let noise = noise * rest.freedom / outcome.fit.white.len() as f64;
+    let noise = noise * rest.freedom / outcome.now.fit.white.len() as f64;
     let excess = |row: usize| white[row].powi(2) - noise;
     let of_channel = |channel: &Channel| channel.range().map(excess).sum::<f64>();
     let mut all = Vec::new();
@@ -61,11 +61,7 @@ pub(super) fn energy(
         };
         channels().filter_map(of).flatten().collect()
     };
-    let on_clock = |channel: &Channel| -> Option<Vec<f64>> {
-        let run = &observed.runs[channel.run];
-        Some(run.time_s?.iter().map(|time| time + run.setting.context.clock_s).collect())
-    };
-    all.extend(shares("time_s", regions(along(&on_clock))));
+    all.extend(shares("time_s", regions(along(&|channel| observed.runs[channel.run].on_clock()))));
     all.extend(shares("band_hz", bands(model, channels(), &white, noise)));
     for name in &guilty.covariates {
         let values = |channel: &Channel| covariates::values(model, fields, channel.run, channel.axis(), name);
@@ -96,8 +92,7 @@ fn shares(by: &str, parts: Vec<(Part, f64)>) -> Vec<EnergyShare> {
     parts.into_iter().map(share).collect()
 }
 
-/// Readings in the order of a covariate: a region for each value where there are few, else regions of equal
-/// numbers.
+/// Regions along a covariate: one for each value where there are few, else of equal numbers.
 fn regions(mut points: Vec<(f64, f64)>) -> Vec<(Part, f64)> {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let constant = points.first().zip(points.last()).is_none_or(|(first, last)| first.0 == last.0);

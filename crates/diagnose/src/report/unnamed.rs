@@ -5,9 +5,9 @@ use nalgebra::Vector3;
 
 use crate::Outcome;
 use crate::covariates;
-use crate::generic::mean_step_s;
 use crate::model::Model;
 use crate::verdict::Unnamed;
+use crate::waves::mean_step_s;
 
 /// Points of a curve.
 const POINTS: usize = 32;
@@ -30,10 +30,7 @@ fn one(model: &Model<'_>, structure: &Unnamed, fields: &[Vec<Vector3<f64>>]) -> 
     let own = points(model, structure, |run| covariates::values(model, fields, run, Some(*axis), covariate));
     let (along, points) = match own {
         points if points.is_empty() => {
-            let clock = |run: usize| {
-                let run = &model.observed.runs[run];
-                Some(run.time_s?.iter().map(|time| time + run.setting.context.clock_s).collect())
-            };
+            let clock = |run: usize| model.observed.runs[run].on_clock();
             ("time_s".to_string(), self::points(model, structure, clock))
         }
         points => (covariate.clone(), points),
@@ -80,8 +77,7 @@ fn curve(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     points.chunks(size).map(mean).collect()
 }
 
-/// Whether a function is even or odd about zero: by its means at like distances to both sides, its level
-/// apart.
+/// Whether a function is even or odd: by its means at like distances from zero, its level apart.
 fn parity(points: &[(f64, f64)]) -> Option<&'static str> {
     let farthest = points.iter().fold(0.0, |most: f64, (x, _)| most.max(x.abs()));
     let mut sums = [[(0.0, 0usize); 2]; POINTS / 2];
@@ -90,11 +86,8 @@ fn parity(points: &[(f64, f64)]) -> Option<&'static str> {
         let (sum, count) = &mut sums[at][usize::from(*x < 0.0)];
         (*sum, *count) = (*sum + y, *count + 1);
     }
-    let both: Vec<[f64; 2]> = sums
-        .iter()
-        .filter(|[right, left]| right.1 > 0 && left.1 > 0)
-        .map(|sides| sides.map(|(sum, count)| sum / count as f64))
-        .collect();
+    let both = sums.iter().filter(|[right, left]| right.1 > 0 && left.1 > 0);
+    let both: Vec<[f64; 2]> = both.map(|sides| sides.map(|(sum, count)| sum / count as f64)).collect();
     if both.len() < 3 {
         return None;
     }

@@ -13,13 +13,8 @@ use crate::observed::Observed;
 /// Fewest readings of a sensor that give its white noise by themselves.
 const ALONE_FROM: usize = 40;
 
-/// The declared noise of a channel, its codes included.
-pub(super) fn declared(
-    document: &Document,
-    observed: &Observed<'_>,
-    state: &State,
-    channel: &Channel,
-) -> Option<Noise> {
+pub(super) fn declared(observed: &Observed<'_>, state: &State, channel: &Channel) -> Option<Noise> {
+    let document = observed.document;
     let mut noise = match channel.reader {
         Reader::Scalar => {
             let std = document.facility.as_ref()?.reference_std_nt?;
@@ -28,7 +23,7 @@ pub(super) fn declared(
         Reader::Sensor(axis) => document.instrument.as_ref()?.noise_of(axis)?.clone(),
         Reader::Magnitude => of_magnitude(document, channel)?,
     };
-    let code = code_nt(document, observed, channel);
+    let code = code_nt(observed, channel);
     let white = noise.white_rms_nt.unwrap_or(0.0);
     let variance = match effect_width_nt(state, channel) {
         Some((width, true)) => about_a_code(white, width),
@@ -71,10 +66,9 @@ fn mean_shares(channel: &Channel) -> [f64; 3] {
     (squares / channel.rows.len().max(1) as f64).into()
 }
 
-/// Width of a code of a channel, nT; of a magnitude, of codes that would round as much as those of its
-/// sensors together.
-pub fn code_nt(document: &Document, observed: &Observed<'_>, channel: &Channel) -> f64 {
-    let Some(instrument) = document.instrument.as_ref() else { return 0.0 };
+/// Width of a channel's codes, nT; of a magnitude, of codes that would round as much as its sensors'.
+pub fn code_nt(observed: &Observed<'_>, channel: &Channel) -> f64 {
+    let Some(instrument) = observed.document.instrument.as_ref() else { return 0.0 };
     let Setting { basic, context } = &observed.runs[channel.run].setting;
     let code = match context.unit {
         Unit::Volt => instrument.quantisation_v,
@@ -132,7 +126,7 @@ pub fn known_freedom(declared: &[Option<Noise>]) -> f64 {
 }
 
 /// White noise of each kind of channel as a residual shows it.
-pub(super) fn estimate(document: &Document, observed: &Observed<'_>, residual: &[f64]) -> Vec<Noise> {
+pub(super) fn estimate(observed: &Observed<'_>, residual: &[f64]) -> Vec<Noise> {
     let kinds = kinds(observed);
     let mut sums: BTreeMap<&str, (f64, usize)> = BTreeMap::new();
     for (channel, kind) in observed.channels.iter().zip(&kinds) {
@@ -142,19 +136,18 @@ pub(super) fn estimate(document: &Document, observed: &Observed<'_>, residual: &
     }
     let of = |(channel, kind): (&Channel, &String)| {
         let (sum, count) = sums[kind.as_str()];
-        let variance = (sum / count as f64).max(least_nt2(document, observed, channel));
+        let variance = (sum / count as f64).max(least_nt2(observed, channel));
         Noise { white_rms_nt: Some(variance.sqrt()), ..Noise::default() }
     };
     observed.channels.iter().zip(&kinds).map(of).collect()
 }
 
 /// The least variance of a channel: that of its codes.
-pub(super) fn least_nt2(document: &Document, observed: &Observed<'_>, channel: &Channel) -> f64 {
-    (code_nt(document, observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt())
+pub(super) fn least_nt2(observed: &Observed<'_>, channel: &Channel) -> f64 {
+    (code_nt(observed, channel).powi(2) / 12.0).max(f64::MIN_POSITIVE.sqrt())
 }
 
-/// Of each channel what it shares its noise with: all that one sensor read, or all channels where a sensor
-/// read too little.
+/// What each channel shares its noise with: its sensor's channels, or all where a sensor read too little.
 pub(super) fn kinds(observed: &Observed<'_>) -> Vec<String> {
     let of = |channel: &Channel| match channel.reader {
         Reader::Scalar => "scalar".to_string(),

@@ -1,6 +1,6 @@
 //! Noise that nobody declared, as a residual shows it beside what the fit has taken out of it.
 
-use common::{Document, Noise};
+use common::Noise;
 use explain::{power_law, thinned};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -14,8 +14,7 @@ use crate::algebra::orthonormal;
 use crate::channel::Channel;
 use crate::observed::Observed;
 
-/// Exponents of flicker noise that are tried, and the decimal logarithms of its ratio to white noise at a
-/// period of twenty steps.
+/// Exponents of flicker noise, and decimal logarithms of its ratio to white noise at a period of twenty steps.
 const EXPONENTS: [f64; 3] = [1.0, 1.5, 2.0];
 const RATIOS: [f64; 5] = [-1.5, -0.5, 0.5, 1.5, 2.5];
 /// How far beside the likeliest ratio others are tried then, from the first distance to the last.
@@ -44,7 +43,6 @@ type Law = Option<(f64, f64)>;
 /// Source: H. D. Patterson and R. Thompson, Recovery of inter-block information when block sizes are unequal,
 /// Biometrika 58 (1971) 545–554.
 pub fn restricted(
-    document: &Document,
     observed: &Observed<'_>,
     columns: &[Vec<f64>],
     residual: &[f64],
@@ -95,7 +93,7 @@ pub fn restricted(
     let noise = |(channel, name): (&Channel, &String)| {
         let Products { law, scale, .. } = chosen[places[name.as_str()]];
         let noise = kinds[places[name.as_str()]].noise(law, scale);
-        let white = noise.white_rms_nt.unwrap_or(0.0).max(least_nt2(document, observed, channel).sqrt());
+        let white = noise.white_rms_nt.unwrap_or(0.0).max(least_nt2(observed, channel).sqrt());
         Noise { white_rms_nt: Some(white), ..noise }
     };
     Ok(observed.channels.iter().zip(&names).map(noise).collect())
