@@ -1,10 +1,10 @@
-//! The catalogue: every effect by name. A new effect is one type and its name here.
+//! The catalogue: every effect by name. A new effect is its name here and what it does in `effects`.
 
 use common::procedure;
 use nalgebra::Vector3;
 
-use crate::effects::*;
-use crate::{About, Acts, Effect, ParameterInfo, Place, Real, Result, Surroundings, Thermometer};
+use crate::effect::{Effect, Surroundings};
+use crate::{About, Acts, ParameterInfo, Place, Real, Result, Thermometer};
 
 macro_rules! catalogue {
     ($($effect:ident),+ $(,)?) => {
@@ -13,6 +13,11 @@ macro_rules! catalogue {
         pub enum Kind {
             $(#[doc = concat!("See the effect `", stringify!($effect), "`.")] $effect,)+
         }
+
+        $(
+            #[doc = concat!("The effect `", stringify!($effect), "`.")]
+            pub(crate) struct $effect;
+        )+
 
         impl Kind {
             /// All of them, by place.
@@ -29,7 +34,7 @@ macro_rules! catalogue {
             }
 
             /// Adds its contribution to a signal; see [`Effect::apply`].
-            pub fn apply<T: Real>(
+            pub(crate) fn apply<T: Real>(
                 self,
                 parameters: &[T],
                 signal: &mut [Vector3<T>],
@@ -105,8 +110,7 @@ impl Kind {
         }
     }
 
-    /// Whether what it does to a row follows from that row alone, so that a long series may be cut into
-    /// pieces.
+    /// Whether what it does to a row follows from that row alone, so that series may be cut.
     pub fn row_by_row(self) -> bool {
         let by_time = [Kind::Ageing, Kind::SensitivityAgeing, Kind::WarmUp, Kind::ReadingStep];
         let ordered = |need: &&str| ["time_s", "rows in the order taken"].contains(need);

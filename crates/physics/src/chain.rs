@@ -6,23 +6,21 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 use std::borrow::Cow;
 
+use crate::effect::Surroundings;
 use crate::effects::add_known_gradient;
 use crate::model::column;
 use crate::{
-    Basic, Context, EffectInstance, Error, Kind, Parameter, Real, Stage, Surroundings, field_geo, frames,
-    parallel,
+    Basic, Context, EffectInstance, Error, Kind, Parameter, Real, Stage, field_geo, frames, parallel,
 };
 
 /// What the chain predicts for a recording.
 #[derive(Clone, Debug)]
 pub struct Prediction<T: Real = f64> {
-    /// The field in GEO, nT; a scalar magnetometer there reads its length. Differential recordings: as
-    /// `field_sen`.
+    /// The field in GEO, nT. Differential recordings: as `field_sen`.
     pub field_geo: Vec<Vector3<T>>,
     /// The field in SEN at the sensors, nT.
     pub field_sen: Vec<Vector3<T>>,
-    /// The readings of the sensors x, y, z, in the unit of the recording; those of the test instrument where
-    /// it is differential.
+    /// The readings x, y, z in the recording's unit; differential: of the test instrument.
     pub readings: Vec<Vector3<T>>,
 }
 
@@ -32,14 +30,12 @@ pub fn predict(
     effects: &[EffectInstance],
     context: &Context<'_>,
 ) -> Result<Prediction, Error> {
-    let chain = Chain { basic, effects, values: &own_values(effects), context };
-    let fields = chain.fields()?;
-    let readings = chain.read(&fields.sen, &fields.coil)?;
-    Ok(Prediction { field_geo: fields.geo, field_sen: fields.sen, readings })
+    Ok(predict_with_jacobian(basic, effects, context, &[])?.0)
 }
 
-fn own_values(effects: &[EffectInstance]) -> Vec<&[f64]> {
-    effects.iter().map(|effect| effect.parameters.as_slice()).collect()
+/// The parameters of effects in another number type, all derivatives zero.
+pub(crate) fn values<T: Real>(effects: &[EffectInstance]) -> Vec<Vec<T>> {
+    effects.iter().map(|effect| effect.parameters.iter().map(|value| T::from(*value)).collect()).collect()
 }
 
 /// An effect that cannot act in a recording, for want of something that was not recorded.
@@ -81,7 +77,7 @@ pub fn predict_with_jacobian(
     context: &Context<'_>,
     parameters: &[Parameter],
 ) -> Result<(Prediction, Vec<Prediction>), Error> {
-    let chain = Chain { basic, effects, values: &own_values(effects), context };
+    let chain = Chain { basic, effects, values: &values(effects), context };
     let fields = chain.fields()?;
     let derivatives: Vec<Vec<Prediction>> = match parameters.len() {
         0 => Vec::new(),
@@ -105,13 +101,9 @@ fn slopes<const N: usize>(
 ) -> Result<Vec<Prediction>, Error> {
     let Chain { basic, effects, context, .. } = *chain;
     let mut lifted: Basic<Dual<N>> = basic.lift();
-    let mut values: Vec<Vec<Dual<N>>> = effects
-        .iter()
-        .map(|effect| effect.parameters.iter().map(|value| Dual::from(*value)).collect())
-        .collect();
+    let mut values: Vec<Vec<Dual<N>>> = values(effects);
     let directions: Vec<Direction> = parameters.iter().map(|one| vec![(*one, 1.0)]).collect();
     seed(basic, &mut lifted, &mut values, &directions);
-    let values: Vec<&[Dual<N>]> = values.iter().map(Vec::as_slice).collect();
     let chain = Chain { basic: &lifted, effects, values: &values, context };
     // What acts behind the field leaves it as it is.
     let behind = parameters.iter().all(|parameter| match parameter {
@@ -158,12 +150,12 @@ pub(crate) fn seed<const N: usize>(
         };
         match parameter {
             Parameter::CoilTurn(axis, which) => {
-                let added = added(column(&basic.eta, axis), which);
-                lifted.eta.column_mut(axis.index()).iter_mut().zip(&added).for_each(|(to, by)| *to += *by);
+                let mut to = lifted.eta.column_mut(axis.index());
+                to += added(column(&basic.eta, axis), which);
             }
             Parameter::SensorTurn(axis, which) => {
-                let added = added(column(&basic.mu, axis), which);
-                lifted.mu.column_mut(axis.index()).iter_mut().zip(&added).for_each(|(to, by)| *to += *by);
+                let mut to = lifted.mu.column_mut(axis.index());
+                to += added(column(&basic.mu, axis), which);
             }
             Parameter::Effect(effect, number) => values[effect][number] += moved,
             constant => lifted.constant_mut(constant).into_iter().for_each(|value| *value += moved),
@@ -196,7 +188,7 @@ fn product<T: Real>(matrix: &Matrix3<f64>, v: &Vector3<T>) -> Vector3<T> {
 pub(crate) struct Chain<'a, T: Real> {
     pub basic: &'a Basic<T>,
     pub effects: &'a [EffectInstance],
-    pub values: &'a [&'a [T]],
+    pub values: &'a [Vec<T>],
     pub context: &'a Context<'a>,
 }
 
@@ -265,14 +257,14 @@ impl<T: Real> Chain<'_, T> {
         coil_nt: &[Vector3<T>],
         field_sen: &[Vector3<T>],
     ) -> Result<(), Error> {
-        // What the effects of one kind that act at times of their own begin with: none of them reads what
-        // another made beside its times.
+        // What effects of one kind with times of their own begin with: none reads what another made.
         let mut limited: Option<(Kind, Vec<Vector3<T>>)> = None;
         for (effect, values) in self.effects.iter().zip(self.values) {
             if effect.kind.about().stage != stage || !effect.acts(self.context.recording) {
                 continue;
             }
             let around = Surroundings {
+                who: effect.kind.name(),
                 context: self.context,
                 axis: effect.axis.unwrap_or(Axis::X),
                 column: effect.column.as_deref().unwrap_or_default(),

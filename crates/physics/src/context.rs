@@ -136,11 +136,9 @@ pub struct Context<'a> {
     pub recording: &'a Recording,
     /// Number of rows.
     pub rows: usize,
-    /// Current in the coils x, y, z for each row, A; zero where a coil has no column, NaN where a reading is
-    /// missing.
+    /// Current in the coils x, y, z, A; zero without a column, NaN where a reading is missing.
     pub current_a: Vec<Vector3<f64>>,
-    /// Whether it is made in the coils, so that their offsets act: it has a column of drive, or is a nulling
-    /// residual.
+    /// Whether coil offsets act: it has a column of drive, or is a nulling residual.
     pub in_coils: bool,
     /// Rows in which the drive is held; see [`held`].
     pub held: Vec<bool>,
@@ -223,8 +221,7 @@ impl<'a> Context<'a> {
         }
     }
 
-    /// The times on the campaign's clock, s. Zero is the earliest `start` of the document; recordings without
-    /// `start` are on that clock already.
+    /// The times on the campaign's clock, s; recordings without `start` are on that clock already.
     pub fn clock(&self, who: &str) -> Result<Vec<f64>, Error> {
         Ok(self.times(who)?.iter().map(|t| t + self.clock_s).collect())
     }
@@ -241,8 +238,7 @@ impl<'a> Context<'a> {
         self.optional(name).ok_or_else(|| self.missing(who, &format!("the column `{name}`")))
     }
 
-    /// A column, or the condition of that name, where there is one. Missing samples are bridged by straight
-    /// lines where the times are known.
+    /// A column or condition, where there is one; missing samples are bridged where times are known.
     pub fn optional(&self, name: &str) -> Option<Cow<'a, [f64]>> {
         let series = series(self.recording, name)?;
         match self.recording.column("time_s") {
@@ -279,8 +275,7 @@ impl<'a> Context<'a> {
         })
     }
 
-    /// What is left of a wave of a frequency in samples that are means over `conditions.integration_s`:
-    /// sin(πfw)/(πfw).
+    /// What means over `conditions.integration_s` leave of a wave: sin(πfw)/(πfw).
     pub(crate) fn averaged<T: Real>(&self, frequency_hz: T) -> T {
         match self.recording.conditions.integration_s {
             Some(width) if width > 0.0 && frequency_hz.re() != 0.0 => {

@@ -2,9 +2,10 @@
 
 use common::Axis;
 use nalgebra::Vector3;
+use std::borrow::Cow;
 
 use crate::words::words;
-use crate::{Basic, Context, Family, Real, Result};
+use crate::{Basic, Context, Error, Family, Real, Result, Thermometer};
 
 words! {
     /// What an effect belongs to.
@@ -26,8 +27,7 @@ words! {
     }
 }
 
-/// Where in the chain an effect adds its contribution, in the order of the signal. The signal there is
-/// a vector for each row, in nT.
+/// Where in the chain an effect acts, in the order of the signal: a vector in nT for each row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Field along each coil's axis, made by its current.
@@ -64,13 +64,11 @@ pub enum Acts {
 /// How a parameter enters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// A size: the contribution is proportional to it (or, for a level, monotonic in it), and may have either
-    /// sign.
+    /// A size of either sign: the contribution is proportional to it, or, for a level, monotonic.
     Amplitude,
     /// A time constant, a level, a period: positive, and not linear.
     Shape,
-    /// What the contribution counts from: a moment or a span of `time_s`, at which it jumps, or a value of reference.
-    /// Its derivative says nothing.
+    /// What the contribution counts from: a moment, a span, a reference. Its derivative says nothing.
     Epoch,
 }
 
@@ -115,8 +113,7 @@ impl ParameterInfo {
         Self { name, low, high, role: Role::Epoch, absent: None }
     }
 
-    /// The same in every recording, and possibly nothing: a span of time at whose end the contribution jumps, or a
-    /// reference.
+    /// A span of time at whose end the contribution jumps, or a reference; possibly zero.
     pub const fn span(name: &'static str, low: f64, high: f64) -> Self {
         Self { name, low, high, role: Role::Epoch, absent: Some(0.0) }
     }
@@ -174,7 +171,9 @@ impl About {
 }
 
 /// What an effect sees besides the signal that it changes.
-pub struct Surroundings<'a, T: Real> {
+pub(crate) struct Surroundings<'a, T: Real> {
+    /// The name of the effect, for what it lacks.
+    pub who: &'static str,
     /// The recording.
     pub context: &'a Context<'a>,
     /// The coil or sensor that is meant; x for an effect on everything.
@@ -189,17 +188,41 @@ pub struct Surroundings<'a, T: Real> {
     pub field_sen: &'a [Vector3<T>],
 }
 
-impl<T: Real> Surroundings<'_, T> {
+impl<'a, T: Real> Surroundings<'a, T> {
     /// The signal along the axis that is meant.
-    pub(crate) fn own<'s>(&self, signal: &'s mut [Vector3<T>]) -> impl Iterator<Item = &'s mut T> {
+    pub fn own<'s>(&self, signal: &'s mut [Vector3<T>]) -> impl Iterator<Item = &'s mut T> {
         let axis = self.axis.index();
         signal.iter_mut().map(move |value| &mut value[axis])
     }
+
+    /// As [`Context::times`].
+    pub fn times(&self) -> Result<&'a [f64]> {
+        self.context.times(self.who)
+    }
+
+    /// As [`Context::clock`].
+    pub fn clock(&self) -> Result<Vec<f64>> {
+        self.context.clock(self.who)
+    }
+
+    /// As [`Context::column`].
+    pub fn column(&self, name: &str) -> Result<Cow<'a, [f64]>> {
+        self.context.column(name, self.who)
+    }
+
+    /// As [`Context::temperature`].
+    pub fn temperature(&self, which: Thermometer) -> Result<(Cow<'a, [f64]>, f64)> {
+        self.context.temperature(which, self.who)
+    }
+
+    /// The error that the effect lacks something.
+    pub fn missing(&self, what: &str) -> Error {
+        self.context.missing(self.who, what)
+    }
 }
 
-/// One piece of physics: it says what it is and adds its contribution to a signal. Simulation, fit,
-/// correction and diagnosis all use this one definition.
-pub trait Effect {
+/// One piece of physics, of which simulation, fit, correction and diagnosis use this definition.
+pub(crate) trait Effect {
     /// What it is.
     const ABOUT: About;
     /// Whether the chain can be run backwards through it: whether the reading determines the field.

@@ -1,5 +1,4 @@
-//! The numbers that the forward model is written in, and those that carry several derivatives at once: one
-//! pass of the chain gives them all.
+//! The numbers of the forward model, and those that carry several derivatives at once.
 
 use nalgebra::{ClosedAddAssign, ClosedMulAssign, ClosedSubAssign, Scalar};
 use num_dual::{DualNum, DualSVec64};
@@ -19,7 +18,6 @@ impl<T> Real for T where
 /// Most derivatives that are carried at once.
 pub(crate) const LANES: usize = 8;
 
-/// A value with its derivatives.
 pub(crate) type Dual<const N: usize = LANES> = DualSVec64<N>;
 
 /// Zero, with the derivative one in a lane.
@@ -33,12 +31,10 @@ pub(crate) fn dual(value: f64, derivatives: impl Fn(usize) -> f64) -> Dual {
     Dual::new(value, num_dual::Derivative::some(lanes))
 }
 
-/// The derivative in a lane.
 pub(crate) fn slope<const N: usize>(value: &Dual<N>, lane: usize) -> f64 {
     value.eps.0.map_or(0.0, |lanes| lanes[lane])
 }
 
-/// Whether all derivatives are finite.
 pub(crate) fn is_finite(value: &Dual) -> bool {
     value.eps.0.is_none_or(|lanes| lanes.iter().all(|slope| slope.is_finite()))
 }

@@ -7,9 +7,8 @@
 //! B_par,i = m_i · B_sen                         V_i = (B_par,i − O_i) / k_i
 //! ```
 //!
-//! Frames: GEO is north, east, down; SEN is the Cartesian frame of the sensor block. Columns of η are
-//! the coils' unit vectors in GEO, columns of μ the sensors' in SEN, rows of R the SEN axes in GEO.
-//! Fields in nT, currents in A, outputs in V, times in s, angles in rad.
+//! Frames: GEO is north, east, down; SEN is that of the sensor block. Columns of η are the coils' unit
+//! vectors in GEO, of μ the sensors' in SEN, rows of R the SEN axes in GEO. nT, A, V, s, rad.
 //!
 //! Chain and effects are written once, generic in the number type. With `f64` they simulate; with dual
 //! numbers (`num-dual`) the same lines give derivatives, eight in a pass (`lanes`). In a differential
@@ -23,9 +22,8 @@
 //! row by row. Derivatives of the corrected field take the same passes with a dual number.
 //!
 //! Effects with memory are state equations on `memory::Signal`: a cubic between samples, straight across a
-//! gap. Lags are exact for that signal whatever the step. A signal that is straight throughout would turn τ
-//! dB/dt into a backward difference, wrong by half a step for every lag that is shorter than the sampling
-//! interval.
+//! gap. Lags are exact for that signal whatever the step; a signal straight throughout would be wrong by half
+//! a step for every lag that is shorter than the sampling interval.
 //!
 //! `reading` gives one reading of the basic chain with analytic derivatives, for `axescal`, which needs
 //! thousands of solves a second. A property test compares it with differences.
@@ -54,7 +52,7 @@ pub use catalogue::Kind;
 pub use chain::{Direction, LeftOut, Prediction, predict, predict_acting, predict_with_jacobian};
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use directions::directions;
-pub use effect::{About, Acts, Effect, ParameterInfo, Place, Role, Stage, Surroundings};
+pub use effect::{About, Acts, ParameterInfo, Place, Role, Stage};
 pub use effects::{HARMONICS as SUN_HARMONICS, chebyshev, harmonics_at as sun_harmonics, machines_run};
 pub use error::{Error, Result};
 pub use family::Family;

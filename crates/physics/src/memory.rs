@@ -48,8 +48,7 @@ struct Cubic<T> {
 }
 
 impl<'a, T: Real> Signal<'a, T> {
-    /// The signal with the samples x at times that do not run backwards. A missing sample (NaN) is bridged by
-    /// the straight line between its neighbours.
+    /// The samples x at times that do not run backwards; missing ones (NaN) are bridged straight.
     pub fn new(time_s: &'a [f64], x: Vec<T>) -> Self {
         Self { time_s, x: bridged(time_s, x), held: &[] }
     }
@@ -68,8 +67,7 @@ impl<'a, T: Real> Signal<'a, T> {
         self.time_s[row + 1] - self.time_s[row]
     }
 
-    /// Central difference at a row, one-sided at the ends and beside a step of no length; zero where the
-    /// signal is held.
+    /// Central difference, one-sided at ends and beside a step of no length; zero where it is held.
     fn slope(&self, row: usize) -> T {
         if self.held.get(row) == Some(&true) {
             return T::from(0.0);
@@ -229,9 +227,8 @@ fn moments<T: Real>(u: T) -> [T; 4] {
     [(one - w1) * u, w1, w2, w3]
 }
 
-/// The rows near a jump in which every series of a drive is held, each on one side of the row at least: the step there
-/// is [`FLAT`] times less steep than one beside it. A crest between two equal samples is not held. Empty where no row
-/// is.
+/// The rows near a jump in which every series of a drive is held on one side at least: the step there is
+/// [`FLAT`] times less steep than one beside it. A crest is not held. Empty where no row is.
 pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     let rate = |step: usize, k: usize| match time_s[step + 1] - time_s[step] {
         length if length > 0.0 => (drive[step + 1][k] - drive[step][k]) / length,
@@ -254,8 +251,7 @@ pub fn held<const N: usize>(time_s: &[f64], drive: &[[f64; N]]) -> Vec<bool> {
     if rows.contains(&true) { rows } else { Vec::new() }
 }
 
-/// x with missing samples replaced: straight lines between neighbours, constant at the ends; zero if all are
-/// missing.
+/// x with straight lines for missing samples, constant at the ends; zero if all are missing.
 pub fn bridged<T: Real>(time_s: &[f64], mut x: Vec<T>) -> Vec<T> {
     if x.iter().all(|x| x.re().is_finite()) {
         return x;

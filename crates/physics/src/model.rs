@@ -57,8 +57,7 @@ pub struct Basic<T: Real = f64> {
 }
 
 impl<T: Real> Basic<T> {
-    /// Where a constant of a coil or a sensor stands; None for turns, which are of η and μ, and for
-    /// parameters of effects.
+    /// Where a constant stands; None for turns, which are of η and μ, and for effects.
     pub fn constant_mut(&mut self, parameter: Parameter) -> Option<&mut T> {
         match parameter {
             Parameter::Sensitivity(axis) => Some(&mut self.sensors[axis.index()].sensitivity),
@@ -118,8 +117,7 @@ impl Basic<f64> {
         coils.chain(sensors).find(|(_, sum)| !sum.is_finite()).map(|(path, _)| format!("calibration.{path}"))
     }
 
-    /// As `of`, with what axescal found that is to be added to the sensors' offsets (`axes.offsets_nt`): the
-    /// chain for predicting recordings.
+    /// As `of`, with `axes.offsets_nt` of axescal added to the sensors' offsets.
     pub fn found(document: &Document, unit: Unit) -> Self {
         let mut basic = Basic::of(document, unit);
         let axes = document.calibration.as_ref().and_then(|calibration| calibration.axes.as_ref());
@@ -130,9 +128,8 @@ impl Basic<f64> {
         basic
     }
 
-    /// The chain of a differential recording, T = R η + d: the reference's reading stands in place of the
-    /// field, the columns of η in place of the sensors' directions, and −d in place of the offsets. Not
-    /// stated: η = 1, d = 0.
+    /// The chain of a differential recording, T = R η + d: the reference's reading in place of the field, η
+    /// in place of the sensors' directions, −d in place of the offsets. Not stated: η = 1, d = 0.
     pub fn differential(document: &Document) -> Self {
         let mut basic = Basic::of(&Document::default(), Unit::Nanotesla);
         let calibration =
@@ -172,7 +169,6 @@ pub fn sensitivity(sensor: &SensorCalibration, unit: Unit) -> Option<&Quantity> 
     }
 }
 
-/// A column of a matrix as a vector.
 pub(crate) fn column<T: Real>(matrix: &Matrix3<T>, axis: Axis) -> Vector3<T> {
     matrix.column(axis.index()).into_owned()
 }

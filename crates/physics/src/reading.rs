@@ -4,8 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::Real;
 
-/// B_geo = η b + ambient: the field of the coils (b in nT along each coil's axis) and what is there besides,
-/// GEO, nT.
+/// B_geo = η b + ambient, b along each coil's axis; GEO, nT.
 pub fn field_geo<T: Real>(eta: &Matrix3<T>, coil_nt: &Vector3<T>, ambient_nt: &Vector3<T>) -> Vector3<T> {
     let along = |i: usize| eta[(i, 0)] * coil_nt[0] + eta[(i, 1)] * coil_nt[1] + eta[(i, 2)] * coil_nt[2];
     Vector3::from_fn(|i, _| along(i) + ambient_nt[i])

@@ -15,8 +15,7 @@ pub struct Setting<'a> {
 }
 
 impl<'a> Setting<'a> {
-    /// Reads a recording of a document. The field that axescal found to be left in the coils without drive is
-    /// in.
+    /// Reads a recording, with the field that axescal found to be left in the coils.
     pub fn of(document: &Document, recording: &'a Recording, references: References) -> Result<Self, Error> {
         let mut context = Context::new(document, recording, references)?;
         if context.reference_nt.is_some() {

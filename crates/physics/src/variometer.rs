@@ -44,9 +44,8 @@ impl Components {
         self.keys().map(|key| if key.ends_with("_deg") { 1_f64.to_radians() } else { 1.0 })
     }
 
-    /// The field north, east and down in nT of readings in nT, and its derivatives by the baseline values
-    /// (INTERMAGNET Technical Reference Manual, section on baselines). Xyz: B = M + b. Hez, b in nT, rad, nT:
-    /// B = Rz(b₂) (M₁ + b₁, M₂, M₃ + b₃).
+    /// The field north, east and down, nT, and its derivatives by the baseline values (INTERMAGNET Technical
+    /// Reference Manual). Xyz: B = M + b. Hez, b in nT, rad, nT: B = Rz(b₂) (M₁ + b₁, M₂, M₃ + b₃).
     pub fn field_nt(
         self,
         reading_nt: &Vector3<f64>,

@@ -3,9 +3,6 @@ use super::temperature::late_warmth;
 use crate::context::Thermometer;
 use crate::frames::ARCSEC;
 
-/// ΔB = u α + v β, with u and v the SEN fields across the sensor and the angles α, β = (a, b) (T_S − T_ref).
-pub struct AxisTemperature;
-
 impl Effect for AxisTemperature {
     const ABOUT: About = About {
         name: "axis_temperature",
@@ -21,16 +18,13 @@ impl Effect for AxisTemperature {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
+        let (column, reference) = around.temperature(Thermometer::Sensor)?;
         turn(parameters, |row| T::from(column[row] - reference), signal, around);
         Ok(())
     }
 }
 
-/// ΔB = u α + v β with α, β = (a, b) (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first
-/// row.
-pub struct AxisCreep;
-
+/// T_lag is in equilibrium at the first row.
 impl Effect for AxisCreep {
     const ABOUT: About = About {
         name: "axis_creep",
@@ -47,7 +41,7 @@ impl Effect for AxisCreep {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let warmer = late_warmth(around.context, Thermometer::Sensor, Self::ABOUT.name, parameters[2])?;
+        let warmer = late_warmth(Thermometer::Sensor, parameters[2], around)?;
         turn(parameters, |row| warmer[row], signal, around);
         Ok(())
     }

@@ -1,10 +1,7 @@
 use super::prelude::*;
 use crate::memory::Signal;
 
-/// The reading follows B through the poles of the loop, τ and r τ: (1 + τ d/dt)(1 + r τ d/dt) y = B, following B at
-/// the first row. With r = 0 a first-order lag; ΔB ≈ −(1 + r) τ dB/dt.
-pub struct LoopBandwidth;
-
+/// y follows B at the first row. With r = 0 a first-order lag; ΔB ≈ −(1 + r) τ dB/dt.
 impl Effect for LoopBandwidth {
     const ABOUT: About = About {
         name: "loop_bandwidth",
@@ -23,16 +20,13 @@ impl Effect for LoopBandwidth {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let own = around.axis.index();
         let field = Signal::of(time, signal, own).holding(&around.context.held);
         replace(own, field.lagged_twice(parameters[0], parameters[1]), signal);
         Ok(())
     }
 }
-
-/// The reading is the field of a moment ago: y(t) = B(t − d).
-pub struct Delay;
 
 impl Effect for Delay {
     const ABOUT: About = About {
@@ -45,7 +39,7 @@ impl Effect for Delay {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let own = around.axis.index();
         let field = Signal::of(time, signal, own).holding(&around.context.held);
         replace(own, field.delayed(|_| parameters[0]), signal);

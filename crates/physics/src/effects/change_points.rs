@@ -1,33 +1,25 @@
 use super::prelude::*;
 
-const SOURCE: &str = "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice \
-    (steps, spikes and gaps in records)";
-
-/// ΔB = h from the moment t₀ on (`time_s` of the recording); nT along the sensor.
-pub struct ReadingStep;
-
 impl Effect for ReadingStep {
     const ABOUT: About = About {
         name: "reading_step",
         title: "reading steps at one moment",
         physics: "A knock, a changed range or a restart of the logger moves one channel by a constant from then on.",
         equation: "dB = h for t >= t0",
-        source: SOURCE,
+        source: "Jankowski and Sucksdorff 1996, IAGA Guide for Magnetic Measurements and Observatory Practice \
+            (steps, spikes and gaps in records)",
         parameters: &[ParameterInfo::amplitude("height_nt", 0.1, 1000.0), ParameterInfo::epoch("time_s")],
         needs: &["time_s"],
         ..About::of(Family::Time, Place::Logger, Stage::Logger, Acts::OneSensor)
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let after = |(_, t): &(&mut T, &f64)| **t >= parameters[1].re();
         around.own(signal).zip(time).filter(after).for_each(|(own, _)| *own += parameters[0]);
         Ok(())
     }
 }
-
-/// ΔB = h in the row that is nearest to t₀ (`time_s` of the recording).
-pub struct Spike;
 
 impl Effect for Spike {
     const ABOUT: About = About {
@@ -35,14 +27,13 @@ impl Effect for Spike {
         title: "one reading jumps",
         physics: "A bit error or a switching transient falls into one sample.",
         equation: "dB = h in the row nearest to t0",
-        source: SOURCE,
+        family: Family::Moments,
         parameters: &[ParameterInfo::amplitude("height_nt", 1.0, 100_000.0), ParameterInfo::epoch("time_s")],
-        needs: &["time_s"],
-        ..About::of(Family::Moments, Place::Logger, Stage::Logger, Acts::OneSensor)
+        ..ReadingStep::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let when = parameters[1].re();
         let after = time.partition_point(|t| *t < when);
         let nearest = [after.saturating_sub(1), after.min(time.len().saturating_sub(1))]
@@ -63,9 +54,6 @@ impl Effect for Spike {
     }
 }
 
-/// From t₀ on, for a time d, the logger repeats the last reading before t₀.
-pub struct Dropout;
-
 impl Effect for Dropout {
     const ABOUT: About = About {
         name: "dropout",
@@ -78,7 +66,7 @@ impl Effect for Dropout {
     const INVERTIBLE: bool = false;
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let (from, to) = (parameters[0].re(), parameters[0].re() + parameters[1].re());
         let mut held = None;
         for (own, t) in around.own(signal).zip(time) {

@@ -2,10 +2,6 @@ use super::bandwidth::replace;
 use super::prelude::*;
 use crate::memory::Signal;
 
-/// The logger's clock is ahead by Δt: what it stamps t was true at t − Δt. ΔB ≈ −Δt dB/dt, common to all
-/// sensors.
-pub struct ClockOffset;
-
 impl Effect for ClockOffset {
     const ABOUT: About = About {
         name: "clock_offset",
@@ -20,15 +16,13 @@ impl Effect for ClockOffset {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         shift(around.context, time, |_| parameters[0], signal);
         Ok(())
     }
 }
 
-/// The logger's clock gains r: what it stamps t was true at t − r t, t from the campaign's beginning.
-pub struct ClockRate;
-
+/// t counts from the campaign's beginning.
 impl Effect for ClockRate {
     const ABOUT: About = About {
         name: "clock_rate",
@@ -41,8 +35,8 @@ impl Effect for ClockRate {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
-        let clock = around.context.clock(Self::ABOUT.name)?;
+        let time = around.times()?;
+        let clock = around.clock()?;
         shift(around.context, time, |row| parameters[0] * (clock[row] * 1e-6), signal);
         Ok(())
     }

@@ -2,9 +2,6 @@ use super::prelude::*;
 use crate::context::Thermometer;
 use crate::memory::{Before, Signal};
 
-/// k = k₀ (1 + a (T_C − T_ref)), a in ppm/K; along the coil's axis.
-pub struct CoilTemperature;
-
 impl Effect for CoilTemperature {
     const ABOUT: About = About {
         name: "coil_temperature",
@@ -19,7 +16,7 @@ impl Effect for CoilTemperature {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let (column, reference) = around.context.temperature(Thermometer::Coil, Self::ABOUT.name)?;
+        let (column, reference) = around.temperature(Thermometer::Coil)?;
         for (own, temperature) in around.own(signal).zip(column.iter()) {
             *own += *own * parameters[0] * ((temperature - reference) * 1e-6);
         }
@@ -27,12 +24,8 @@ impl Effect for CoilTemperature {
     }
 }
 
-/// A coil constant that falls as the coil heats: k = k₀ (1 − a P − b W), τ dP/dt = I² − P, τ dW/dt = −W; at
-/// the first row P = 0 and W = I². P is the warmth that the recording brings; W what the coil had of the
-/// current that flowed before: b = 0 if it was cold, b = a if the first current had flowed for long. Along
-/// the coil's axis, so that it is the same in GEO for every sensor and orientation.
-pub struct CoilHeating;
-
+/// P is the warmth that the recording brings, W what the coil had of the current that flowed before: b = 0 if it was
+/// cold, b = a if the first current had flowed for long.
 impl Effect for CoilHeating {
     const ABOUT: About = About {
         name: "coil_heating",
@@ -47,12 +40,12 @@ impl Effect for CoilHeating {
             ParameterInfo::shape("lag_s", 30.0, 20_000.0),
         ],
         needs: &["time_s", "drive of the coil"],
-        ..About::of(Family::FollowsColumn, Place::Facility, Stage::Coil, Acts::OneCoil)
+        ..CoilTemperature::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
-        let time = context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let (brought, before, lag_s) = (parameters[0], parameters[1], parameters[2]);
         let squared = |current: &Vector3<f64>| T::from(current[around.axis.index()].powi(2));
         let squared: Vec<T> = context.current_a.iter().map(squared).collect();
@@ -70,10 +63,7 @@ impl Effect for CoilHeating {
 /// The fast ones of the currents in many bodies, or of the modes of a plate, die so many times as fast.
 const FAST: f64 = 5.0;
 
-/// ΔB = −s (B_c − L + q (B_c − L₅)), τ dL/dt = B_c − L, L₅ the same with τ/5, following the drive at the first row: the
-/// field of currents that oppose the change, in one body (q = 0), in many or in a plate.
-pub struct EddyCurrents;
-
+/// L follows the drive at the first row. In one body q = 0.
 impl Effect for EddyCurrents {
     const ABOUT: About = About {
         name: "eddy_currents",
@@ -93,7 +83,7 @@ impl Effect for EddyCurrents {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let drive = Signal::of(time, signal, around.axis.index()).holding(&around.context.held);
         let slow = drive.lagged(parameters[1], Before::Moving);
         let fast = drive.lagged(parameters[1] / FAST, Before::Moving);

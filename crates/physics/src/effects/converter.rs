@@ -1,15 +1,10 @@
 use super::prelude::*;
 use std::f64::consts::TAU;
 
-const SOURCE: &str = "Kester (ed.) 2005, Data Conversion Handbook; IEEE Std 1241";
-
 /// What a converter gets is the output, B without the offset O, nT.
 fn offset<T: Real>(around: &Surroundings<'_, T>) -> T {
     around.basic.sensors[around.axis.index()].offset_nt
 }
-
-/// The reading is a whole number of codes: y = q round(M/q), M = B − O.
-pub struct Quantisation;
 
 impl Effect for Quantisation {
     const ABOUT: About = About {
@@ -17,7 +12,7 @@ impl Effect for Quantisation {
         title: "readings are coarsely quantised",
         physics: "The converter has fewer bits than the field asks for, and the reading is a staircase.",
         equation: "dB = q round(M / q) - M, M = B - O what the converter gets",
-        source: SOURCE,
+        source: "Kester (ed.) 2005, Data Conversion Handbook; IEEE Std 1241",
         parameters: &[ParameterInfo::shape("width_nt", 0.02, 4000.0)],
         ..About::of(Family::Codes, Place::Electronics, Stage::Converter, Acts::OneSensor)
     };
@@ -34,11 +29,7 @@ impl Effect for Quantisation {
     }
 }
 
-/// ΔB = Σ a_k sin(2πkM/p) + b_k cos(2πkM/p), k from 1 to 5, M = B − O: codes that are wider and narrower in
-/// turn, with the period p of a bit. A bit of the wrong weight errs like a square wave, which these harmonics
-/// follow to 93 % of its energy.
-pub struct DifferentialNonlinearity;
-
+/// A bit of the wrong weight errs like a square wave, which these harmonics follow to 93 % of its energy.
 /// An amplitude of a harmonic, none where a document does not give it.
 const fn harmonic(name: &'static str, high: f64) -> ParameterInfo {
     ParameterInfo::amplitude(name, 0.01, high).or_zero()
@@ -50,7 +41,6 @@ impl Effect for DifferentialNonlinearity {
         title: "converter codes differ in width",
         physics: "A bit of the converter has a wrong weight, and the reading errs periodically along its own range.",
         equation: "dB = sum over k from 1 to 5 of a_k sin(2 pi k M / p) + b_k cos(2 pi k M / p), M = B - O",
-        source: SOURCE,
         parameters: &[
             ParameterInfo::amplitude("sine_nt", 0.02, 5.0),
             ParameterInfo::amplitude("cosine_nt", 0.02, 5.0),
@@ -64,7 +54,7 @@ impl Effect for DifferentialNonlinearity {
             harmonic("sine_5_nt", 1.0),
             harmonic("cosine_5_nt", 1.0),
         ],
-        ..About::of(Family::Codes, Place::Electronics, Stage::Converter, Acts::OneSensor)
+        ..Quantisation::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -84,21 +74,18 @@ impl Effect for DifferentialNonlinearity {
 /// Share of the level below which nothing saturates.
 const NOTHING: f64 = 1e-6;
 
-/// y = M / (1 + |M/L|^s)^(1/s), M = B − O: the reading approaches ±L smoothly, the more sharply the larger s.
-pub struct Saturation;
-
 impl Effect for Saturation {
     const ABOUT: About = About {
         name: "saturation",
         title: "reading saturates near the end of the range",
         physics: "The feedback runs out of current near the end of the range, and the reading flattens.",
         equation: "dB = M / (1 + |M / L|^s)^(1/s) - M, M = B - O",
-        source: SOURCE,
+        family: Family::OwnField,
         parameters: &[
             ParameterInfo::shape("level_nt", 30_000.0, 200_000.0),
             ParameterInfo { absent: Some(8.0), ..ParameterInfo::shape("sharpness", 3.0, 16.0) },
         ],
-        ..About::of(Family::OwnField, Place::Electronics, Stage::Converter, Acts::OneSensor)
+        ..Quantisation::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
@@ -115,9 +102,6 @@ impl Effect for Saturation {
     }
 }
 
-/// y = M within ±L, else ±L, M = B − O.
-pub struct Clipping;
-
 impl Effect for Clipping {
     const ABOUT: About = About {
         name: "clipping",
@@ -125,9 +109,8 @@ impl Effect for Clipping {
         physics: "The amplifier or the converter ends before the field does: beyond the level every field reads \
             the same.",
         equation: "dB = min(max(M, -L), L) - M, M = B - O",
-        source: SOURCE,
         parameters: &[ParameterInfo::shape("level_nt", 1_000.0, 100_000.0)],
-        ..About::of(Family::OwnField, Place::Electronics, Stage::Converter, Acts::OneSensor)
+        ..Saturation::ABOUT
     };
     const INVERTIBLE: bool = false;
 

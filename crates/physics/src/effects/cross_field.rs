@@ -1,9 +1,6 @@
 use super::prelude::*;
 
-/// ΔB = (a u² + b v² + c u v) / (50 000 nT)², u and v the fields across the sensor (for sensor x: SEN y and
-/// z). A part linear in them is a turned axis, which belongs to μ.
-pub struct CrossField;
-
+/// A part linear in u and v is a turned axis, which belongs to μ.
 impl Effect for CrossField {
     const ABOUT: About = About {
         name: "cross_field",
@@ -26,9 +23,6 @@ impl Effect for CrossField {
         Ok(())
     }
 }
-
-/// ΔB = B (a u + b v) / (50 000 nT)², B the field along the sensor, u and v those across it.
-pub struct CrossFieldSensitivity;
 
 impl Effect for CrossFieldSensitivity {
     const ABOUT: About = About {

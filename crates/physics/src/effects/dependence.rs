@@ -1,10 +1,7 @@
 use super::prelude::*;
 use crate::memory::{Before, Signal};
 
-/// ΔB = c (u_lag − u₀) along the sensors, u a recorded column of any unit, τ du_lag/dt = u − u_lag, in equilibrium at
-/// the first row and where there are no times. With τ = 0 the sensors follow at once.
-pub struct Dependence;
-
+/// u_lag is in equilibrium at the first row and where there are no times; with τ = 0 it is u.
 impl Effect for Dependence {
     const ABOUT: About = About {
         name: "dependence",
@@ -23,10 +20,10 @@ impl Effect for Dependence {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let column = around.context.column(around.column, Self::ABOUT.name)?;
+        let column = around.column(around.column)?;
         let mut values: Vec<T> = column.iter().map(|value| -parameters[4] + *value).collect();
         let lag_s = parameters[3];
-        if let (true, Ok(time)) = (lag_s.re() > 0.0, around.context.times(Self::ABOUT.name)) {
+        if let (true, Ok(time)) = (lag_s.re() > 0.0, around.times()) {
             values = Signal::new(time, values).lagged(lag_s, Before::Equilibrium);
         }
         let coefficients = Vector3::from_column_slice(&parameters[..3]);

@@ -6,13 +6,6 @@ const ORDER: usize = 6;
 /// Parameters before the coefficients.
 const BEFORE: usize = 3;
 
-/// dB = Σ c_k T_k(x) for each sensor, T_k Chebyshev's polynomials of the orders 1 to 6 and x from −1 to 1 by the
-/// place of the covariate between its two ends. The covariate is a recorded column, `time_s` on the campaign's
-/// clock, `field_x`, `field_y`, `field_z` in SEN, `coils_a`, the sum of the sizes of the coil currents, or the product
-/// of two such with a star between them; with a lag τ it is by how much that is off its own past, a first-order lag in
-/// equilibrium at the first row.
-pub struct Empirical;
-
 macro_rules! coefficients {
     ($($name:literal),+) => {
         &[
@@ -30,6 +23,9 @@ pub fn chebyshev<T: Real>(x: T) -> impl Iterator<Item = T> {
         .map(|(_, now)| now)
 }
 
+/// For each sensor, T_k Chebyshev's polynomials. The covariate u is a recorded column, `time_s` on the campaign's clock,
+/// `field_x`, `field_y`, `field_z` in SEN, `coils_a`, the sum of the sizes of the coil currents, or the product of two
+/// such with a star between them. The lag is of first order, in equilibrium at the first row.
 impl Effect for Empirical {
     const ABOUT: About = About {
         name: "empirical",
@@ -48,21 +44,16 @@ impl Effect for Empirical {
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let [from, to, lag_s] = [parameters[0], parameters[1], parameters[2]];
-        let context = around.context;
         let of = |name: &str| -> Result<Vec<T>> {
             let field = |axis: usize| around.field_sen.iter().map(|field| field[axis]).collect();
             Ok(match name {
                 "field_x" => field(0),
                 "field_y" => field(1),
                 "field_z" => field(2),
-                "coils_a" => context.coils_a().map(T::from).collect(),
+                "coils_a" => around.context.coils_a().map(T::from).collect(),
                 name => {
-                    let zero = if name == "time_s" { context.clock_s } else { 0.0 };
-                    context
-                        .column(name, Self::ABOUT.name)?
-                        .iter()
-                        .map(|value| T::from(value + zero))
-                        .collect()
+                    let zero = if name == "time_s" { around.context.clock_s } else { 0.0 };
+                    around.column(name)?.iter().map(|value| T::from(value + zero)).collect()
                 }
             })
         };
@@ -71,7 +62,7 @@ impl Effect for Empirical {
             values.iter_mut().zip(of(other)?).for_each(|(value, other)| *value *= other);
         }
         if lag_s.re() > 0.0 {
-            let time = context.times(Self::ABOUT.name)?;
+            let time = around.times()?;
             let past = Signal::new(time, values.clone()).lagged(lag_s, Before::Equilibrium);
             values.iter_mut().zip(past).for_each(|(value, past)| *value -= past);
         }

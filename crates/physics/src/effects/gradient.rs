@@ -28,37 +28,24 @@ fn gradient_field<T: Real>(n: &Vector3<T>, coil: Axis, g: &[T], p: &Vector3<T>) 
         + (u * second + v * first) * g[4]
 }
 
-/// m·R ΔB: what the sensor at the place p (SEN, m) sees of a gradient g, for a coil field of one.
+/// m·R ΔB: what the sensor at the place p (SEN, m) sees in each row of a gradient g, for a coil field of one; worked out
+/// once where the block does not turn within the recording.
 fn seen<T: Real>(
     basic: &Basic<T>,
     context: &Context<'_>,
-    row: usize,
     (coil, g): (Axis, &[T]),
     sensor: Axis,
     p: &Vector3<T>,
-) -> T {
-    let rotation = context.rotation(row).map(T::from);
-    let n = basic.eta.column(coil.index()).into_owned();
-    let added = rotation * gradient_field(&n, coil, g, &(rotation.transpose() * p));
-    basic.mu.column(sensor.index()).dot(&added)
-}
-
-/// The same for every row: worked out once where the block does not turn within the recording.
-fn seen_by_row<T: Real>(
-    basic: &Basic<T>,
-    context: &Context<'_>,
-    coil: (Axis, &[T]),
-    sensor: Axis,
-    p: &Vector3<T>,
 ) -> impl Fn(usize) -> T {
-    let at = move |row| seen(basic, context, row, coil, sensor, p);
+    let at = move |row| {
+        let rotation = context.rotation(row).map(T::from);
+        let n = basic.eta.column(coil.index()).into_owned();
+        let added = rotation * gradient_field(&n, coil, g, &(rotation.transpose() * p));
+        basic.mu.column(sensor.index()).dot(&added)
+    };
     let throughout = context.attitude.is_empty().then(|| at(0));
     move |row| throughout.unwrap_or_else(|| at(row))
 }
-
-/// The sensors are not at one point, and one coil has a gradient; the positions are `instrument.positions_m`
-/// (SEN).
-pub struct CoilGradient;
 
 impl Effect for CoilGradient {
     const ABOUT: About = About {
@@ -83,12 +70,12 @@ impl Effect for CoilGradient {
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let context = around.context;
-        let positions = context.positions_m.ok_or_else(|| {
-            context.missing(Self::ABOUT.name, "the sensors' places, `instrument.positions_m`")
-        })?;
+        let positions = context
+            .positions_m
+            .ok_or_else(|| around.missing("the sensors' places, `instrument.positions_m`"))?;
         for sensor in Axis::ALL {
             let p = positions[sensor.index()].map(T::from);
-            let seen = seen_by_row(around.basic, context, (around.axis, parameters), sensor, &p);
+            let seen = seen(around.basic, context, (around.axis, parameters), sensor, &p);
             for (row, (value, coil)) in signal.iter_mut().zip(around.coil_nt).enumerate() {
                 let strength = coil[around.axis.index()] * 1e-6;
                 value[sensor.index()] += seen(row) * strength;
@@ -97,10 +84,6 @@ impl Effect for CoilGradient {
         Ok(())
     }
 }
-
-/// The block's centre is off the coils' centre by p (SEN, m); the coils' gradients are
-/// `facility.coils.*.gradient_nt_per_m_a`.
-pub struct OffCentre;
 
 impl Effect for OffCentre {
     const ABOUT: About = About {
@@ -119,7 +102,7 @@ impl Effect for OffCentre {
         let context = around.context;
         if context.gradient_nt_per_m_a == Vector3::zeros() {
             let what = "a coil's gradient, `facility.coils.x.gradient_nt_per_m_a` or that of another coil";
-            return Err(context.missing(Self::ABOUT.name, what));
+            return Err(around.missing(what));
         }
         add_gradients(around.basic, context, &[Vector3::from_column_slice(parameters); 3], signal);
         Ok(())
@@ -146,7 +129,7 @@ fn add_gradients<T: Real>(
     for coil in Axis::ALL {
         let gradient = context.gradient_nt_per_m_a[coil.index()];
         for sensor in Axis::ALL.into_iter().filter(|_| gradient != 0.0) {
-            let seen = seen_by_row(basic, context, (coil, &g), sensor, &places[sensor.index()]);
+            let seen = seen(basic, context, (coil, &g), sensor, &places[sensor.index()]);
             all.push((coil.index(), sensor.index(), gradient, seen));
         }
     }

@@ -1,9 +1,6 @@
 use super::prelude::*;
 
-/// ΔB = −h z, dz/ds = (sign(dB/ds) − z)/B_c with ds = |dB|: z goes to ±1 over a change of the field by B_c
-/// (Duhem). Demagnetised (z = 0) at the first row; the field is taken as monotonic between rows.
-pub struct Hysteresis;
-
+/// Demagnetised (z = 0) at the first row; the field is taken as monotonic between rows.
 impl Effect for Hysteresis {
     const ABOUT: About = About {
         name: "hysteresis",
@@ -38,11 +35,7 @@ impl Effect for Hysteresis {
     }
 }
 
-/// ΔB = r p, with p the play of half-width B_t: p stays within ±B_t of the field and moves only when pushed.
-/// Fields within ±B_t leave no trace; a larger one leaves r times its excess until an opposite one takes it
-/// back. A recording begins at s times its first field: demagnetised (s = 0), or at rest in that field (s = 1).
-pub struct Perming;
-
+/// The play p moves only when pushed. A recording begins demagnetised (s = 0), or at rest in its first field (s = 1).
 impl Effect for Perming {
     const ABOUT: About = About {
         name: "perming",
@@ -57,8 +50,7 @@ impl Effect for Perming {
             ParameterInfo::shape("threshold_nt", 1000.0, 200_000.0),
             ParameterInfo::span("start_share", 0.1, 1.0),
         ],
-        needs: &["rows in the order taken"],
-        ..About::of(Family::OwnField, Place::Sensor, Stage::Sensor, Acts::OneSensor)
+        ..Hysteresis::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {

@@ -2,10 +2,7 @@ use super::prelude::*;
 use super::temperature::{Of, add};
 use crate::context::{KELVIN, Thermometer};
 
-/// ΔB = c (T − T_ref) + h w (g((T − T_i)/w) − g((T_ref − T_i)/w)), g(u) = ln cosh u: the coefficient goes
-/// from c − h, far below T_i, to c + h, over a range w; nT along the sensor, T_i in K.
-pub struct OffsetTemperatureInflection;
-
+/// The coefficient goes from c − h, far below T_i, to c + h, over a range w.
 impl Effect for OffsetTemperatureInflection {
     const ABOUT: About = About {
         name: "offset_temperature_inflection",
@@ -27,13 +24,11 @@ impl Effect for OffsetTemperatureInflection {
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
         let (coefficient, half_change) = (parameters[0], parameters[1]);
         let (inflection_k, width_k) = (parameters[2], parameters[3]);
-        let (column, reference) = around.context.temperature(Thermometer::Sensor, Self::ABOUT.name)?;
+        let (column, reference) = around.temperature(Thermometer::Sensor)?;
         let bent = |celsius: f64| width_k * log_cosh((-inflection_k + KELVIN + celsius) / width_k);
         let at_reference = bent(reference);
-        let change = |row: usize| {
-            coefficient * (column[row] - reference) + half_change * (bent(column[row]) - at_reference)
-        };
-        add(Of::Offset, change, signal, around);
+        let change = |t: &f64| coefficient * (t - reference) + half_change * (bent(*t) - at_reference);
+        add(Of::Offset, column.iter().map(change).collect(), signal, around);
         Ok(())
     }
 }

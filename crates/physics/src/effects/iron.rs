@@ -1,8 +1,5 @@
 use super::prelude::*;
 
-/// A constant vector in GEO, nT.
-pub struct HardIron;
-
 impl Effect for HardIron {
     const ABOUT: About = About {
         name: "hard_iron",
@@ -21,9 +18,6 @@ impl Effect for HardIron {
         Ok(())
     }
 }
-
-/// ΔB = S B in GEO, S in ppm.
-pub struct SoftIron;
 
 impl Effect for SoftIron {
     const ABOUT: About = About {

@@ -27,11 +27,7 @@ const PARAMETERS: &[ParameterInfo] = &[
 ];
 const PARALLEL: usize = 8;
 
-/// ΔB = g ∘ L + f ∘ (U − L) in GEO, (1 + τ d/dt)(1 + r τ d/dt) L = U, U the station's variation about the
-/// reference conditions (those not stated: about the mean of the recording): g leaks of slow variations, f of fast ones,
-/// through a loop of one pole (r = 0) or of two.
-pub struct NullingLeakage;
-
+/// Where no reference is stated, U is about the mean of the recording.
 impl Effect for NullingLeakage {
     const ABOUT: About = About {
         name: "nulling_leakage",
@@ -46,13 +42,9 @@ impl Effect for NullingLeakage {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        leak(Self::ABOUT.name, parameters, signal, around)
+        leak(parameters, signal, around)
     }
 }
-
-/// The same where the loop's sensors and its coils are not parallel: G is a full matrix, and a variation along one axis
-/// leaks into the others too.
-pub struct NullingLeakageAcross;
 
 impl Effect for NullingLeakageAcross {
     const ABOUT: About = About {
@@ -66,19 +58,14 @@ impl Effect for NullingLeakageAcross {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        leak(Self::ABOUT.name, parameters, signal, around)
+        leak(parameters, signal, around)
     }
 }
 
 /// Adds what leaks of the outside field.
-fn leak<T: Real>(
-    name: &'static str,
-    p: &[T],
-    signal: &mut [Vector3<T>],
-    around: &Surroundings<'_, T>,
-) -> Result {
+fn leak<T: Real>(p: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
     let context = around.context;
-    let time = context.times(name)?;
+    let time = around.times()?;
     let mut of_slow = Matrix3::from_diagonal(&Vector3::new(p[0], p[1], p[2]));
     if let [a, b, c, d, e, f] = p[PARALLEL..] {
         of_slow = Matrix3::new(p[0], a, b, c, p[1], d, e, f, p[2]);
@@ -99,5 +86,5 @@ fn leak<T: Real>(
             *field += leaked * T::from(1e-6);
         }
     }
-    if found { Ok(()) } else { Err(context.missing(name, "a column `outside_{x,y,z}_nt`")) }
+    if found { Ok(()) } else { Err(around.missing("a column `outside_{x,y,z}_nt`")) }
 }

@@ -1,20 +1,15 @@
 use super::prelude::*;
 use std::f64::consts::TAU;
 
-/// One line in GEO: ΔB = s sin φ + c cos φ, φ = 2πf (t + (ρ − 1)(t − t₀)²/2T), t on the campaign's clock: over a
-/// recording that begins at t₀ and lasts T the frequency goes from f to ρ f. Samples are instantaneous, so
-/// that a line above the Nyquist frequency appears at its alias by itself; where `conditions.integration_s`
-/// says that they are means over w, the line is smaller by sin(πfw)/(πfw).
+/// One line in GEO: over a recording that begins at t₀ on the campaign's clock and lasts T the frequency goes from f to
+/// ρ f. Where `conditions.integration_s` says that samples are means over w, it is smaller by sin(πfw)/(πfw); else a
+/// line above the Nyquist frequency appears at its alias by itself.
 macro_rules! line {
     (
-        $(#[$doc:meta])*
         $effect:ident = $name:literal, $low:literal to $high:literal Hz,
         title: $title:literal,
         physics: $physics:literal,
     ) => {
-        $(#[$doc])*
-        pub struct $effect;
-
         impl Effect for $effect {
             const ABOUT: About = About {
                 name: $name,
@@ -37,7 +32,7 @@ macro_rules! line {
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
             ) -> Result {
-                let clock = around.context.clock($name)?;
+                let clock = around.clock()?;
                 let share = around.context.averaged(parameters[6]);
                 let (first, last) = (clock.first().copied(), clock.last().copied());
                 let twice_s = first.zip(last).map_or(0.0, |(first, last)| 2.0 * (last - first));
@@ -59,21 +54,18 @@ macro_rules! line {
 }
 
 line! {
-    /// Field of the mains at 50 or 60 Hz, or at a harmonic.
     Mains = "mains", 40.0 to 400.0 Hz,
     title: "mains field",
     physics: "Currents of the power supply make a field at the mains' frequency and its harmonics, seen at an alias by a slow logger.",
 }
 
 line! {
-    /// Field of railway power at 16.7 Hz.
     TractionPower = "traction_power", 15.0 to 18.0 Hz,
     title: "field of railway power",
     physics: "Currents of an electric railway flow in the rails and in the ground and make a field at the railway's frequency.",
 }
 
 line! {
-    /// Field of one frequency, whatever makes it.
     PeriodicField = "periodic_field", 1e-6 to 1e4 Hz,
     title: "periodic field of an unknown source",
     physics: "A machine, a power supply or a converter nearby makes a field of one frequency; a slow logger shows it at an alias, which does not say which.",

@@ -24,8 +24,7 @@ mod surroundings;
 mod temperature;
 mod time;
 
-pub use self::{
-    axis::*, bandwidth::*, change_points::*, clock::*, coil::*, converter::*, cross_field::*, dependence::*,
-    empirical::*, gradient::*, hysteresis::*, inflection::*, iron::*, leakage::*, lines::*, nonlinearity::*,
-    sites::*, spacecraft::*, sun::*, surroundings::*, temperature::*, time::*,
-};
+pub use empirical::chebyshev;
+pub use gradient::add_known_gradient;
+pub use sun::{HARMONICS, harmonics_at};
+pub use surroundings::machines_run;

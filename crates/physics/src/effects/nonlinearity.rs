@@ -1,8 +1,5 @@
 use super::prelude::*;
 
-/// ΔB = a (B / 50 000 nT)², nT along the sensor.
-pub struct QuadraticNonlinearity;
-
 impl Effect for QuadraticNonlinearity {
     const ABOUT: About = About {
         name: "quadratic_nonlinearity",
@@ -21,9 +18,6 @@ impl Effect for QuadraticNonlinearity {
         Ok(())
     }
 }
-
-/// ΔB = a (B / 50 000 nT)³, nT along the sensor.
-pub struct CubicNonlinearity;
 
 impl Effect for CubicNonlinearity {
     const ABOUT: About = About {

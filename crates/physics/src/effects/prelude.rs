@@ -1,6 +1,7 @@
 //! What every effect is written with.
 
-pub use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Stage, Surroundings};
+pub(crate) use crate::catalogue::*;
+pub(crate) use crate::effect::{About, Acts, Effect, ParameterInfo, Place, Stage, Surroundings};
 pub use crate::{Context, Family, Real, Result};
 pub use nalgebra::Vector3;
 
@@ -14,7 +15,6 @@ pub(super) use amplitudes;
 
 /// Field to which coefficients of powers refer, nT.
 pub const FULL_NT: f64 = 50_000.0;
-/// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;
 
 /// The two axes across an axis, in cyclic order: for x they are y and z.

@@ -8,10 +8,6 @@ use crate::memory::{Before, Signal};
 const FOUNDATIONS: &str = "Rasmussen and Kring Lauridsen 1990, Improving baseline drift in fluxgate magnetometers caused by \
     foundation movements, Phys. Earth Planet. Inter. 59, 78";
 
-/// ΔB = G B at the test instrument, G in ppm: what the field at its pillar differs from the reference's in
-/// proportion.
-pub struct PillarGradient;
-
 impl Effect for PillarGradient {
     const ABOUT: About = About {
         name: "pillar_gradient",
@@ -32,9 +28,6 @@ impl Effect for PillarGradient {
     }
 }
 
-/// ΔB = C (B − L), τ dL/dt = B − L for each component, C in ppm: only what is faster than τ counts.
-pub struct InductionDifference;
-
 impl Effect for InductionDifference {
     const ABOUT: About = About {
         name: "induction_difference",
@@ -54,7 +47,7 @@ impl Effect for InductionDifference {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let matrix = nalgebra::Matrix3::from_row_slice(&parameters[..9]);
         let lagged =
             [0, 1, 2].map(|axis| Signal::of(time, signal, axis).lagged(parameters[9], Before::Moving));
@@ -65,9 +58,6 @@ impl Effect for InductionDifference {
         Ok(())
     }
 }
-
-/// The pillar turns with temperature: ΔB = −ω × B, ω = (a, b, 0) (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag.
-pub struct PillarTilt;
 
 impl Effect for PillarTilt {
     const ABOUT: About = About {
@@ -86,14 +76,11 @@ impl Effect for PillarTilt {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let warmer = late_warmth(around.context, Thermometer::Sensor, Self::ABOUT.name, parameters[2])?;
+        let warmer = late_warmth(Thermometer::Sensor, parameters[2], around)?;
         tilt(parameters, |row| warmer[row], signal);
         Ok(())
     }
 }
-
-/// The pillar settles: ΔB = −ω × B, ω = (a, b, 0) t, t on the campaign's clock in days.
-pub struct PillarSettling;
 
 impl Effect for PillarSettling {
     const ABOUT: About = About {
@@ -101,23 +88,19 @@ impl Effect for PillarSettling {
         title: "pillar settles",
         physics: "The foundation gives way slowly and the pillar tilts more each day.",
         equation: "dB = -omega x B, omega = (a, b, 0) t",
-        source: FOUNDATIONS,
         parameters: amplitudes!(0.01 to 20.0: "about_x_arcsec_per_day", "about_y_arcsec_per_day"),
         needs: &["time_s"],
-        ..About::of(Family::Time, Place::Sites, Stage::Block, Acts::Everything)
+        ..PillarTilt::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let clock = around.context.clock(Self::ABOUT.name)?;
+        let clock = around.clock()?;
         tilt(parameters, |row| T::from(clock[row] / DAY_S), signal);
         Ok(())
     }
 }
 
-/// The block tilts as its tiltmeters say: ΔB = −g ω × B, ω = (tilt_x, tilt_y, 0) from `tilt_x_rad` and
-/// `tilt_y_rad`, g in ppm; a million where the tiltmeters are right.
-pub struct MeasuredTilt;
-
+/// The gain is a million where the tiltmeters are right.
 impl Effect for MeasuredTilt {
     const ABOUT: About = About {
         name: "measured_tilt",
@@ -132,8 +115,8 @@ impl Effect for MeasuredTilt {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let about_x = around.context.column("tilt_x_rad", Self::ABOUT.name)?;
-        let about_y = around.context.column("tilt_y_rad", Self::ABOUT.name)?;
+        let about_x = around.column("tilt_x_rad")?;
+        let about_y = around.column("tilt_y_rad")?;
         let gain = parameters[0] * 1e-6;
         for (row, field) in signal.iter_mut().enumerate() {
             *field = tilted(field, gain * about_x[row], gain * about_y[row]);

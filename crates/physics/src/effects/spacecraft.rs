@@ -2,9 +2,6 @@ use super::prelude::*;
 use crate::memory::Signal;
 use std::f64::consts::TAU;
 
-/// ΔB = c I in SEN, I a housekeeping column in A.
-pub struct StrayCurrent;
-
 impl Effect for StrayCurrent {
     const ABOUT: About = About {
         name: "stray_current",
@@ -19,7 +16,7 @@ impl Effect for StrayCurrent {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let current = around.context.column(around.column, Self::ABOUT.name)?;
+        let current = around.column(around.column)?;
         let vector = Vector3::from_column_slice(parameters);
         for (field, current) in signal.iter_mut().zip(current.iter()) {
             *field += vector * T::from(*current);
@@ -31,14 +28,10 @@ impl Effect for StrayCurrent {
 /// Waves of a rotor: ΔB = s sin φ + c cos φ in SEN, dφ/dt = 2π n f, f a housekeeping column in Hz.
 macro_rules! rotor {
     (
-        $(#[$doc:meta])*
         $effect:ident = $name:literal, $multiple:literal f,
         title: $title:literal,
         equation: $equation:literal,
     ) => {
-        $(#[$doc])*
-        pub struct $effect;
-
         impl Effect for $effect {
             const ABOUT: About = About {
                 name: $name,
@@ -61,8 +54,8 @@ macro_rules! rotor {
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
             ) -> Result {
-                let time = around.context.times($name)?;
-                let rate = around.context.column(around.column, $name)?;
+                let time = around.times()?;
+                let rate = around.column(around.column)?;
                 let turns = Signal::new(time, rate.to_vec()).integral();
                 for (row, field) in signal.iter_mut().enumerate() {
                     let share: f64 = around.context.averaged($multiple * rate[row]);
@@ -79,14 +72,12 @@ macro_rules! rotor {
 }
 
 rotor! {
-    /// The wheel's own speed, n = 1.
     ReactionWheel = "reaction_wheel", 1.0 f,
     title: "field of a reaction wheel",
     equation: "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 2 pi f",
 }
 
 rotor! {
-    /// Twice the wheel's speed, n = 2.
     ReactionWheelHarmonic = "reaction_wheel_harmonic", 2.0 f,
     title: "second harmonic of a reaction wheel",
     equation: "dB_sen = s sin(phi) + c cos(phi), d phi/dt = 4 pi f",

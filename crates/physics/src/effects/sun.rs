@@ -3,9 +3,10 @@
 use super::prelude::*;
 
 /// Row by row whether the Sun shines, 1, or is eclipsed, 0, and its azimuth and elevation, rad.
-fn sun<'a>(context: &Context<'a>, who: &str) -> Result<impl Fn(usize) -> (f64, [f64; 2]) + use<'a>> {
+fn sun<'a, T: Real>(around: &Surroundings<'a, T>) -> Result<impl Fn(usize) -> (f64, [f64; 2]) + use<'a, T>> {
+    let context = around.context;
     let azimuth = context.angle("sun_azimuth");
-    let azimuth = azimuth.ok_or_else(|| context.missing(who, "the column `sun_azimuth_rad`"))?;
+    let azimuth = azimuth.ok_or_else(|| around.missing("the column `sun_azimuth_rad`"))?;
     let elevation = context.angle("sun_elevation");
     let (sunlit, eclipse) = (context.optional("sunlit"), context.optional("eclipse"));
     Ok(move |row| {
@@ -25,11 +26,7 @@ fn add<T: Real, const N: usize>(parameters: &[T], seen: [f64; N], field: &mut Ve
     }
 }
 
-/// ΔB = lit (a + cos(el) (c cos(az) + s sin(az)) + u sin(el)) in SEN, from `sun_azimuth_rad` or `_deg`; with
-/// `sun_elevation_rad` or `_deg` and `sunlit` (1 in the Sun, 0 in eclipse) or `eclipse` (the other way round)
-/// where there are such columns, else el = 0 and lit = 1.
-pub struct SunThermoelectric;
-
+/// Elevation and `sunlit` (1 in the Sun, 0 in eclipse), or `eclipse`, where there are such columns; else el = 0 and lit.
 impl Effect for SunThermoelectric {
     const ABOUT: About = About {
         name: "sun_thermoelectric",
@@ -49,7 +46,7 @@ impl Effect for SunThermoelectric {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let sun = sun(around.context, Self::ABOUT.name)?;
+        let sun = sun(around)?;
         for (row, field) in signal.iter_mut().enumerate() {
             let (lit, [azimuth, elevation]) = sun(row);
             let (up, level) = elevation.sin_cos();
@@ -66,43 +63,23 @@ const DEGREE: usize = 4;
 pub const HARMONICS: usize = (DEGREE + 1) * (DEGREE + 1);
 
 /// Coefficients of one component, by degree and order, a cosine before its sine; a higher degree is smaller.
-macro_rules! harmonics {
-    ($($axis:literal),+) => {
-        &[$(
-            ParameterInfo::amplitude(concat!($axis, "_00_nt"), 0.05, 20.0),
-            ParameterInfo::amplitude(concat!($axis, "_10_nt"), 0.05, 20.0),
-            ParameterInfo::amplitude(concat!($axis, "_c11_nt"), 0.05, 20.0),
-            ParameterInfo::amplitude(concat!($axis, "_s11_nt"), 0.05, 20.0),
-            ParameterInfo::amplitude(concat!($axis, "_20_nt"), 0.05, 10.0),
-            ParameterInfo::amplitude(concat!($axis, "_c21_nt"), 0.05, 10.0),
-            ParameterInfo::amplitude(concat!($axis, "_s21_nt"), 0.05, 10.0),
-            ParameterInfo::amplitude(concat!($axis, "_c22_nt"), 0.05, 10.0),
-            ParameterInfo::amplitude(concat!($axis, "_s22_nt"), 0.05, 10.0),
-            ParameterInfo::amplitude(concat!($axis, "_30_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c31_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s31_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c32_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s32_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c33_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s33_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_40_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c41_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s41_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c42_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s42_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c43_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s43_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_c44_nt"), 0.02, 5.0),
-            ParameterInfo::amplitude(concat!($axis, "_s44_nt"), 0.02, 5.0),
-        )+]
+macro_rules! component {
+    ($axis:literal) => {
+        component!(
+            $axis,
+            0.05 to 20.0: "00" "10" "c11" "s11",
+            0.05 to 10.0: "20" "c21" "s21" "c22" "s22",
+            0.02 to 5.0: "30" "c31" "s31" "c32" "s32" "c33" "s33" "40" "c41" "s41" "c42" "s42" "c43" "s43" "c44" "s44"
+        )
+    };
+    ($axis:literal, $($low:literal to $high:literal: $($order:literal)+),+) => {
+        [$($(ParameterInfo::amplitude(concat!($axis, "_", $order, "_nt"), $low, $high)),+),+]
     };
 }
 
-/// ΔB = lit Σ_nm P_nm(sin el) (c_nm cos m az + s_nm sin m az) in SEN to degree 4, each component with its own
-/// coefficients; columns as for [`SunThermoelectric`]. P_nm are Schmidt's, of which the squares over the
-/// sphere have the mean 1/(2n + 1).
-pub struct SunThermoelectricHarmonics;
+const COMPONENTS: &[[ParameterInfo; HARMONICS]] = &[component!("x"), component!("y"), component!("z")];
 
+/// P_nm are Schmidt's, of which the squares over the sphere have the mean 1/(2n + 1).
 impl Effect for SunThermoelectricHarmonics {
     const ABOUT: About = About {
         name: "sun_thermoelectric_harmonics",
@@ -110,12 +87,12 @@ impl Effect for SunThermoelectricHarmonics {
         physics: "What the Sun heats, and the currents that flow for it, depend on the shape of the spacecraft and its shadows: the \
             field is a smooth function of the Sun's direction and vanishes in eclipse.",
         equation: "dB_sen = sunlit sum_nm P_nm(sin el) (c_nm cos(m az) + s_nm sin(m az)), n = 0..4, P_nm after Schmidt",
-        parameters: harmonics!("x", "y", "z"),
+        parameters: COMPONENTS.as_flattened(),
         ..SunThermoelectric::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let sun = sun(around.context, Self::ABOUT.name)?;
+        let sun = sun(around)?;
         for (row, field) in signal.iter_mut().enumerate() {
             let (lit, direction) = sun(row);
             add(parameters, harmonics_at(direction).map(|seen| lit * seen), field);
@@ -162,10 +139,7 @@ mod tests {
     /// Means over the sphere: Gauss-Legendre along sin(el), even steps along the azimuth; exact to degree 9.
     #[test]
     fn harmonics_are_orthogonal_with_the_squares_of_schmidt() {
-        let (a, b) = (
-            (5.0 + 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0,
-            (5.0 - 2.0 * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0,
-        );
+        let [a, b] = [2.0, -2.0].map(|sign| (5.0 + sign * (10.0_f64 / 7.0).sqrt()).sqrt() / 3.0);
         let (wa, wb) = ((322.0 - 13.0 * 70.0_f64.sqrt()) / 900.0, (322.0 + 13.0 * 70.0_f64.sqrt()) / 900.0);
         let nodes = [(-a, wa), (-b, wb), (0.0, 128.0 / 225.0), (b, wb), (a, wa)];
         let degree = |k: usize| (k as f64).sqrt().floor();
@@ -183,12 +157,8 @@ mod tests {
                 assert!((mean - expected).abs() < 1e-12, "{i} {j}: {mean}");
             }
         }
-        // By hand, el = 30°, az = 90°: P_20 = (3 s² − 1)/2, P_22 = √3/2 c², P_33 = √(5/8) c³, its sine −1.
-        let all = harmonics_at([90.0_f64.to_radians(), 30.0_f64.to_radians()]);
-        let by_hand =
-            [(4, -0.125), (7, -0.75 * 0.75_f64.sqrt()), (15, -(5.0_f64 / 8.0).sqrt() * 0.75_f64.powf(1.5))];
-        for (at, value) in by_hand {
-            assert!((all[at] - value).abs() < 1e-12, "{at}: {}", all[at]);
-        }
+        // By hand, el = 30°, az = 90°: P_33 = √(5/8) c³, its sine −1.
+        let found = harmonics_at([90.0_f64.to_radians(), 30.0_f64.to_radians()])[15];
+        assert!((found + (5.0_f64 / 8.0).sqrt() * 0.75_f64.powf(1.5)).abs() < 1e-12, "{found}");
     }
 }

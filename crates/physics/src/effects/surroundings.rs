@@ -1,10 +1,7 @@
 use super::prelude::*;
 use common::time::{hour_of_day, is_weekday};
 
-/// A dipole on a straight line at constant speed, nearest at t₀: ΔB = (u + v x + w x²) / (1 + x²)^(5/2) in
-/// GEO, x = (t − t₀)/d the way over the smallest distance; u, v, w follow from the moment and the line.
-pub struct VehiclePass;
-
+/// u, v, w follow from the dipole's moment and its straight line, x is the way over the smallest distance.
 impl Effect for VehiclePass {
     const ABOUT: About = About {
         name: "vehicle_pass",
@@ -24,7 +21,7 @@ impl Effect for VehiclePass {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let time = around.context.times(Self::ABOUT.name)?;
+        let time = around.times()?;
         let part = |number: usize| Vector3::from_column_slice(&parameters[3 * number..3 * number + 3]);
         let (first, second, third) = (part(0), part(1), part(2));
         for (field, t) in signal.iter_mut().zip(time) {
@@ -40,10 +37,6 @@ impl Effect for VehiclePass {
 pub fn machines_run(local_s: f64, slack_h: f64) -> bool {
     is_weekday(local_s) && (7.0 + slack_h..17.0 - slack_h).contains(&hour_of_day(local_s))
 }
-
-/// A constant vector in GEO from Monday to Friday, 7 h to 17 h by the clock of the recording's `start`, or as
-/// much later and earlier as the slack says.
-pub struct WorkingHours;
 
 impl Effect for WorkingHours {
     const ABOUT: About = About {
@@ -62,11 +55,11 @@ impl Effect for WorkingHours {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let context = around.context;
-        let time = context.times(Self::ABOUT.name)?;
-        let start = context.local_start_s.ok_or_else(|| {
-            context.missing(Self::ABOUT.name, "the recording's `start`, with its offset from UTC")
-        })?;
+        let time = around.times()?;
+        let start = around
+            .context
+            .local_start_s
+            .ok_or_else(|| around.missing("the recording's `start`, with its offset from UTC"))?;
         let vector = Vector3::from_column_slice(&parameters[..3]);
         let slack_h = parameters[3].re() / 3600.0;
         for (field, t) in signal.iter_mut().zip(time) {

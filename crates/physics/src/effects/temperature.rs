@@ -9,32 +9,38 @@ pub(super) enum Of {
     Sensitivity,
 }
 
-/// ΔB of an effect of temperature: c ΔT + q ΔT², or c ΔT_lag; for the sensitivity in ppm of the field B.
-pub(super) fn add<T: Real>(
-    of: Of,
-    change: impl Fn(usize) -> T,
-    signal: &mut [Vector3<T>],
-    around: &Surroundings<'_, T>,
-) {
-    let own = around.own(signal).enumerate();
+/// Adds a change of the offset in nT, or of the sensitivity in ppm of the field, to each row.
+pub(super) fn add<T: Real>(of: Of, change: Vec<T>, signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) {
+    let own = around.own(signal).zip(change);
     match of {
-        Of::Offset => own.for_each(|(row, own)| *own += change(row)),
-        Of::Sensitivity => own.for_each(|(row, own)| *own += *own * change(row) * 1e-6),
+        Of::Offset => own.for_each(|(own, change)| *own += change),
+        Of::Sensitivity => own.for_each(|(own, change)| *own += *own * change * 1e-6),
     }
 }
 
-/// What a thermometer reads above its reference, through a first-order lag in equilibrium at the first row,
-/// K.
+/// What a thermometer reads above its reference, lagged, in equilibrium at the first row, K.
 pub(super) fn late_warmth<T: Real>(
-    context: &Context<'_>,
-    which: Thermometer,
-    who: &str,
+    of: Thermometer,
     lag_s: T,
+    around: &Surroundings<'_, T>,
 ) -> Result<Vec<T>> {
-    let time = context.times(who)?;
-    let (column, reference) = context.temperature(which, who)?;
+    let time = around.times()?;
+    let (column, reference) = around.temperature(of)?;
     let warmer = column.iter().map(|t| T::from(t - reference)).collect();
     Ok(Signal::new(time, warmer).lagged(lag_s, Before::Equilibrium))
+}
+
+/// c ΔT + q ΔT².
+fn at_once<T: Real>(of: Thermometer, parameters: &[T], around: &Surroundings<'_, T>) -> Result<Vec<T>> {
+    let (column, reference) = around.temperature(of)?;
+    let warmer = column.iter().map(|t| t - reference);
+    Ok(warmer.map(|warmer| (parameters[0] + parameters[1] * warmer) * warmer).collect())
+}
+
+/// c ΔT_lag.
+fn late<T: Real>(of: Thermometer, parameters: &[T], around: &Surroundings<'_, T>) -> Result<Vec<T>> {
+    let warmer = late_warmth(of, parameters[1], around)?;
+    Ok(warmer.into_iter().map(|warmer| parameters[0] * warmer).collect())
 }
 
 const OFFSET: ParameterInfo = ParameterInfo::amplitude("coefficient_nt_per_k", 0.005, 5.0);
@@ -43,47 +49,9 @@ const SENSITIVITY: ParameterInfo = ParameterInfo::amplitude("coefficient_ppm_per
 const SENSITIVITY_CURVATURE: ParameterInfo = ParameterInfo::amplitude("curvature_ppm_per_k2", 0.002, 2.0);
 const LAG: ParameterInfo = ParameterInfo::shape("lag_s", 10.0, 10_000.0);
 
-/// A temperature that the sensitivity or the offset follows.
-struct Followed {
-    effect: &'static str,
-    thermometer: Thermometer,
-    of: Of,
-}
-
-impl Followed {
-    /// At once, with a curvature.
-    fn at_once<T: Real>(
-        self,
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result {
-        let (column, reference) = around.context.temperature(self.thermometer, self.effect)?;
-        let change = |row: usize| {
-            let warmer = column[row] - reference;
-            (parameters[0] + parameters[1] * warmer) * warmer
-        };
-        add(self.of, change, signal, around);
-        Ok(())
-    }
-
-    /// Through a first-order lag.
-    fn late<T: Real>(
-        self,
-        parameters: &[T],
-        signal: &mut [Vector3<T>],
-        around: &Surroundings<'_, T>,
-    ) -> Result {
-        let warmer = late_warmth(around.context, self.thermometer, self.effect, parameters[1])?;
-        add(self.of, |row| parameters[0] * warmer[row], signal, around);
-        Ok(())
-    }
-}
-
 /// An effect that follows the temperature of `$place`.
 macro_rules! follows {
     (
-        $(#[$doc:meta])*
         $effect:ident = $name:literal,
         $of:ident of $place:ident $how:ident, [$($parameter:expr),+], needs [$($time:literal)?],
         title: $title:literal,
@@ -91,9 +59,6 @@ macro_rules! follows {
         equation: $equation:literal,
         source: $source:literal,
     ) => {
-        $(#[$doc])*
-        pub struct $effect;
-
         impl Effect for $effect {
             const ABOUT: About = About {
                 name: $name,
@@ -111,15 +76,14 @@ macro_rules! follows {
                 signal: &mut [Vector3<T>],
                 around: &Surroundings<'_, T>,
             ) -> Result {
-                let followed = Followed { effect: $name, thermometer: Thermometer::$place, of: Of::$of };
-                followed.$how(parameters, signal, around)
+                add(Of::$of, $how(Thermometer::$place, parameters, around)?, signal, around);
+                Ok(())
             }
         }
     };
 }
 
 follows! {
-    /// ΔB = c (T_S − T_ref) + q (T_S − T_ref)², nT along the sensor (NASA eq. 29, with curvature).
     OffsetTemperature = "offset_temperature",
     Offset of Sensor at_once, [OFFSET, OFFSET_CURVATURE], needs [],
     title: "offset follows sensor temperature",
@@ -129,8 +93,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row; nT along the
-    /// sensor.
     OffsetTemperatureLag = "offset_temperature_lag",
     Offset of Sensor late, [OFFSET, LAG], needs ["time_s"],
     title: "offset follows sensor temperature with a lag",
@@ -141,7 +103,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = B (c (T_S − T_ref) + q (T_S − T_ref)²), c in ppm/K, q in ppm/K².
     SensitivityTemperature = "sensitivity_temperature",
     Sensitivity of Sensor at_once, [SENSITIVITY, SENSITIVITY_CURVATURE], needs [],
     title: "sensitivity follows sensor temperature",
@@ -151,7 +112,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = B c (T_lag − T_ref), τ dT_lag/dt = T_S − T_lag, in equilibrium at the first row; c in ppm/K.
     SensitivityTemperatureLag = "sensitivity_temperature_lag",
     Sensitivity of Sensor late, [SENSITIVITY, LAG], needs ["time_s"],
     title: "sensitivity follows sensor temperature with a lag",
@@ -161,7 +121,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = c (T_E − T_ref) + q (T_E − T_ref)², nT along the sensor (NASA eq. 29, with curvature).
     OffsetElectronicsTemperature = "offset_electronics_temperature",
     Offset of Electronics at_once, [OFFSET, OFFSET_CURVATURE], needs [],
     title: "offset follows electronics temperature",
@@ -171,8 +130,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = c (T_lag − T_ref), τ dT_lag/dt = T_E − T_lag, in equilibrium at the first row; nT along the
-    /// sensor.
     OffsetElectronicsTemperatureLag = "offset_electronics_temperature_lag",
     Offset of Electronics late, [OFFSET, LAG], needs ["time_s"],
     title: "offset follows electronics temperature with a lag",
@@ -182,7 +139,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = B (c (T_E − T_ref) + q (T_E − T_ref)²), c in ppm/K, q in ppm/K².
     SensitivityElectronicsTemperature = "sensitivity_electronics_temperature",
     Sensitivity of Electronics at_once, [SENSITIVITY, SENSITIVITY_CURVATURE], needs [],
     title: "sensitivity follows electronics temperature",
@@ -192,7 +148,6 @@ follows! {
 }
 
 follows! {
-    /// ΔB = B c (T_lag − T_ref), τ dT_lag/dt = T_E − T_lag, in equilibrium at the first row; c in ppm/K.
     SensitivityElectronicsTemperatureLag = "sensitivity_electronics_temperature_lag",
     Sensitivity of Electronics late, [SENSITIVITY, LAG], needs ["time_s"],
     title: "sensitivity follows electronics temperature with a lag",

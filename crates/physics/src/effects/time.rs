@@ -1,8 +1,5 @@
 use super::prelude::*;
 
-/// ΔB = a e^(−t/τ), t on the campaign's clock; nT along the sensor.
-pub struct WarmUp;
-
 impl Effect for WarmUp {
     const ABOUT: About = About {
         name: "warm_up",
@@ -20,15 +17,12 @@ impl Effect for WarmUp {
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let clock = around.context.clock(Self::ABOUT.name)?;
+        let clock = around.clock()?;
         let decayed = |t: f64| parameters[0] * (-parameters[1].recip() * t).exp();
         around.own(signal).zip(clock).for_each(|(own, t)| *own += decayed(t));
         Ok(())
     }
 }
-
-/// ΔB = b t, t on the campaign's clock in days; nT along the sensor.
-pub struct Ageing;
 
 impl Effect for Ageing {
     const ABOUT: About = About {
@@ -39,19 +33,15 @@ impl Effect for Ageing {
         equation: "dB = b t",
         source: "NASA CR-156638, temporal drift in sensor offset",
         parameters: &[ParameterInfo::amplitude("rate_nt_per_day", 0.0005, 5.0)],
-        needs: &["time_s"],
-        ..About::of(Family::Time, Place::Sensor, Stage::Sensor, Acts::OneSensor)
+        ..WarmUp::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let clock = around.context.clock(Self::ABOUT.name)?;
+        let clock = around.clock()?;
         around.own(signal).zip(clock).for_each(|(own, t)| *own += parameters[0] * (t / DAY_S));
         Ok(())
     }
 }
-
-/// ΔB = B b t, t on the campaign's clock in days, b in ppm/day.
-pub struct SensitivityAgeing;
 
 impl Effect for SensitivityAgeing {
     const ABOUT: About = About {
@@ -62,12 +52,11 @@ impl Effect for SensitivityAgeing {
         source: "Tøffner-Clausen et al. 2016, In-flight scalar calibration and characterisation of the Swarm magnetometry package, Earth \
             Planets Space 68, 129",
         parameters: &[ParameterInfo::amplitude("rate_ppm_per_day", 0.001, 100.0)],
-        needs: &["time_s"],
-        ..About::of(Family::Time, Place::Sensor, Stage::Sensor, Acts::OneSensor)
+        ..WarmUp::ABOUT
     };
 
     fn apply<T: Real>(parameters: &[T], signal: &mut [Vector3<T>], around: &Surroundings<'_, T>) -> Result {
-        let clock = around.context.clock(Self::ABOUT.name)?;
+        let clock = around.clock()?;
         let grown = |own: T, t: f64| own * parameters[0] * (t / DAY_S * 1e-6);
         around.own(signal).zip(clock).for_each(|(own, t)| *own += grown(*own, t));
         Ok(())

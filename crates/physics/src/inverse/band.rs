@@ -2,17 +2,15 @@
 
 use nalgebra::Vector3;
 
-/// Parts of a field that change the readings by less than this share of themselves are not determined by
-/// them.
+/// Parts of a field that change the readings by less than this share are not determined.
 pub(super) const UNSEEN: f64 = 1e-6;
 /// A value is not determined where more than this share of it is still unseen after [`LOOKS`] passes.
 const LOST_SHARE: f64 = 1e-12;
 /// Passes after which that is judged.
 const LOOKS: usize = 4;
 
-/// ∂F/∂B of the rows within `reach` of each other, A, and the Cholesky factor of AᵀA + λ²: so that also a
-/// system in which the last rows of a late reading are unseen, and its first ones are told twice, has its
-/// solution.
+/// ∂F/∂B of the rows within `reach` of each other, A, and the Cholesky factor of AᵀA + λ²: so that a system
+/// whose last rows are unseen, and its first ones told twice, has its solution.
 pub struct Band {
     rows: usize,
     reach: usize,

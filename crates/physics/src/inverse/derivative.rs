@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Vector3};
 use rayon::prelude::*;
 
 use super::{PASSES, REACHES, Row, Solved, Step};
-use crate::chain::{Direction, seed};
+use crate::chain::{Direction, seed, values};
 use crate::lanes::{self, Dual, LANES};
 use crate::{Basic, Error};
 
@@ -22,9 +22,8 @@ impl Solved<'_> {
         Ok(all.into_iter().flatten().collect())
     }
 
-    /// Covariance of each row's field, nT², from errors of the readings that are independent from row to row
-    /// and between sensors, with these variances, nT². Where the chain remembers, the errors of the rows
-    /// around are in it.
+    /// Covariance of each row's field, nT², from independent errors of the readings with these variances,
+    /// nT². Where the chain remembers, the errors of the rows around are in it.
     pub fn covariance_of_readings(&self, variance_nt2: Vector3<f64>) -> Result<Vec<Matrix3<f64>>, Error> {
         let apart = match &self.step {
             Step::Band(band) if band.reach() > 0 => 2 * band.reach().max(2 * REACHES[0]) + 1,
@@ -56,9 +55,8 @@ impl Solved<'_> {
         }
     }
 
-    /// The same passes as for the field, with derivatives carried along in so many lanes: along one direction
-    /// of the parameters in each; without these, by the readings of each row, which change by `moved` in each
-    /// lane, in nT along the sensors.
+    /// The same passes as for the field, with derivatives in so many lanes: along one direction of the
+    /// parameters in each; without these, by the readings, which change by `moved`, nT along the sensors.
     fn derivatives(
         &self,
         directions: &[Direction],
@@ -66,7 +64,7 @@ impl Solved<'_> {
         moved: impl Fn(usize, usize) -> Vector3<f64>,
     ) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
         let sensitivity = self.inverter.basic.sensors.map(|sensor| sensor.sensitivity);
-        let (mut basic, mut values) = (self.inverter.basic.lift(), self.inverter.values());
+        let (mut basic, mut values) = (self.inverter.basic.lift(), values(self.inverter.effects));
         seed(self.inverter.basic, &mut basic, &mut values, directions);
         // None before the first pass.
         let mut derivatives: Vec<Vec<Vector3<f64>>> = Vec::new();

@@ -6,14 +6,13 @@ mod slope;
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::chain::Chain;
+use crate::chain::{Chain, values};
 use crate::{Basic, Context, EffectInstance, Error, Real, Stage};
 use band::Band;
 
 /// Passes before the chain counts as not invertible.
 const PASSES: usize = 60;
-/// A field has settled when a pass changes it, or its prediction misses the reading, by no more than this,
-/// nT.
+/// A field has settled when a pass changes it, or its prediction misses, by no more than this, nT.
 const TOLERANCE_NT: f64 = 1e-9;
 /// Slopes are taken anew at most so often.
 const SLOPES: usize = 8;
@@ -29,8 +28,7 @@ pub enum Row {
     Found,
     /// A reading is missing, or what its prediction needs.
     Missing,
-    /// The readings do not determine its field: the passes did not settle, or the row was read too late to be
-    /// seen.
+    /// The readings do not determine it: the passes did not settle, or it was read too late.
     NotInvertible,
 }
 
@@ -108,8 +106,7 @@ impl<'a> Inverter<'a> {
         Ok(Self { basic, effects, context, unmix })
     }
 
-    /// Whether the readings are a matrix times the field and offsets, the same in all rows: no effect acts
-    /// behind the field, and no coil's gradient is known.
+    /// Whether the readings are one matrix times the field and offsets: nothing acts behind the field.
     pub fn is_affine(&self) -> bool {
         let behind = |effect: &EffectInstance| effect.kind.about().stage >= Stage::Block;
         let gradient = self.context.positions_m.is_some() && self.context.gradient_nt_per_m_a.amax() > 0.0;
@@ -183,7 +180,7 @@ impl<'a> Inverter<'a> {
         let mut missed = vec![0.0; rows.len()];
         let mut worst_before = f64::INFINITY;
         for pass in 0..PASSES {
-            let predicted = self.read(&self.basic.lift(), &self.values(), &field)?;
+            let predicted = self.read(&self.basic.lift(), &values(self.effects), &field)?;
             let difference: Vec<Vector3<f64>> = predicted
                 .iter()
                 .zip(readings)
@@ -235,7 +232,6 @@ impl<'a> Inverter<'a> {
         Ok(Solved { field_sen, rows, missed_nt, inverter: self, at: field, step })
     }
 
-    /// The readings of a field.
     fn read<T: Real>(
         &self,
         basic: &Basic<T>,
@@ -246,20 +242,11 @@ impl<'a> Inverter<'a> {
         let constants = Vector3::from_fn(|c, _| basic.coils[c].constant_nt_per_a);
         let along = |current: &Vector3<f64>| Vector3::from_fn(|c, _| constants[c] * current[c]);
         let coil_nt: Vec<Vector3<T>> = self.context.current_a.iter().map(along).collect();
-        let values: Vec<&[T]> = values.iter().map(Vec::as_slice).collect();
-        Chain { basic, effects: self.effects, values: &values, context: self.context }.read(field, &coil_nt)
-    }
-
-    fn values<T: Real>(&self) -> Vec<Vec<T>> {
-        self.effects
-            .iter()
-            .map(|effect| effect.parameters.iter().map(|value| T::from(*value)).collect())
-            .collect()
+        Chain { basic, effects: self.effects, values, context: self.context }.read(field, &coil_nt)
     }
 }
 
-/// The field in SEN of every row, where the chain has an inverse in all of them; see [`Inverter`]. A row with
-/// a missing reading gives a missing field.
+/// The field in SEN of every row, if all have one; see [`Inverter`]. NaN where a reading is missing.
 pub fn field_in_sen(
     basic: &Basic,
     effects: &[EffectInstance],

@@ -5,6 +5,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::Inverter;
 use super::band::{Band, UNSEEN};
 use crate::Error;
+use crate::chain::values;
 use crate::lanes::{self, Dual, LANES};
 
 impl Inverter<'_> {
@@ -15,18 +16,17 @@ impl Inverter<'_> {
         lanes: usize,
         direction: impl Fn(usize, usize) -> Vector3<f64>,
     ) -> Result<Vec<Vec<Vector3<f64>>>, Error> {
-        let seeded: Vec<Vector3<Dual>> =
-            field
-                .iter()
-                .enumerate()
-                .map(|(row, field)| {
-                    let by: [Vector3<f64>; LANES] = std::array::from_fn(|lane| {
+        let seed = |(row, field): (usize, &Vector3<f64>)| -> Vector3<Dual> {
+            let by: [Vector3<f64>; LANES] =
+                std::array::from_fn(
+                    |lane| {
                         if lane < lanes { direction(row, lane) } else { Vector3::zeros() }
-                    });
-                    Vector3::from_fn(|k, _| lanes::dual(field[k], |lane| by[lane][k]))
-                })
-                .collect();
-        let readings = self.read(&self.basic.lift(), &self.values(), &seeded)?;
+                    },
+                );
+            Vector3::from_fn(|k, _| lanes::dual(field[k], |lane| by[lane][k]))
+        };
+        let seeded: Vec<Vector3<Dual>> = field.iter().enumerate().map(seed).collect();
+        let readings = self.read(&self.basic.lift(), &values(self.effects), &seeded)?;
         let of = |reading: &Vector3<Dual>, lane: usize| {
             Vector3::from_fn(|i, _| lanes::slope(&reading[i], lane) * self.basic.sensors[i].sensitivity)
         };
@@ -44,8 +44,7 @@ impl Inverter<'_> {
         Ok(even[0].iter().skip(1).step_by(2).any(remembered))
     }
 
-    /// (∂F/∂B)⁻¹ in each row, where rows are independent of each other; of what a reading does not show,
-    /// nothing (see [`Band`]).
+    /// (∂F/∂B)⁻¹ in each row, where rows are independent; of what is not shown, nothing (see [`Band`]).
     pub(super) fn inverses(&self, field: &[Vector3<f64>]) -> Result<Vec<Matrix3<f64>>, Error> {
         let passes = self.along(field, 3, |_, lane| Vector3::ith(lane, 1.0))?;
         let inverse = |row: usize| {

@@ -159,21 +159,13 @@ fn jacobians_agree_with_finite_differences() {
 fn basic_chain_jacobian_agrees_with_finite_differences() {
     let document = document("free_run");
     let (basic, context) = setting(&document);
-    let parameters: Vec<Parameter> = Axis::ALL
-        .into_iter()
-        .flat_map(|axis| {
-            [
-                Parameter::CoilConstant(axis),
-                Parameter::CoilOffset(axis),
-                Parameter::CoilTurn(axis, 0),
-                Parameter::CoilTurn(axis, 1),
-                Parameter::SensorTurn(axis, 0),
-                Parameter::SensorTurn(axis, 1),
-                Parameter::Sensitivity(axis),
-                Parameter::SensorOffset(axis),
-            ]
-        })
-        .collect();
+    let constants =
+        [Parameter::CoilConstant, Parameter::CoilOffset, Parameter::Sensitivity, Parameter::SensorOffset];
+    let constants = Axis::ALL.into_iter().flat_map(|axis| constants.map(|constant| constant(axis)));
+    let turns = Axis::ALL.into_iter().flat_map(|axis| {
+        [0, 1].into_iter().flat_map(move |k| [Parameter::CoilTurn(axis, k), Parameter::SensorTurn(axis, k)])
+    });
+    let parameters: Vec<Parameter> = constants.chain(turns).collect();
     let (_, jacobian) =
         physics::predict_with_jacobian(&basic, &[], &context, &parameters).expect("predicted");
     let predict = |steps: &[f64]| {
@@ -185,23 +177,16 @@ fn basic_chain_jacobian_agrees_with_finite_differences() {
         };
         for (parameter, step) in parameters.iter().zip(steps).filter(|(_, step)| **step != 0.0) {
             match *parameter {
-                Parameter::CoilConstant(axis) => moved.coils[axis.index()].constant_nt_per_a += step,
-                Parameter::CoilOffset(axis) => moved.coils[axis.index()].offset_nt += step,
                 Parameter::CoilTurn(axis, which) => turned(&mut moved.eta, axis.index(), which, *step),
                 Parameter::SensorTurn(axis, which) => turned(&mut moved.mu, axis.index(), which, *step),
-                Parameter::Sensitivity(axis) => moved.sensors[axis.index()].sensitivity += step,
-                Parameter::SensorOffset(axis) => moved.sensors[axis.index()].offset_nt += step,
-                Parameter::Effect(..) => unreachable!("none here"),
+                constant => *moved.constant_mut(constant).expect("a constant") += step,
             }
         }
         flat(&physics::predict(&moved, &[], &context).expect("predicted").readings)
     };
     let scales: Vec<f64> = parameters
         .iter()
-        .map(|parameter| match parameter {
-            Parameter::CoilTurn(..) | Parameter::SensorTurn(..) => 1e-3,
-            _ => 1.0,
-        })
+        .map(|of| if matches!(of, Parameter::CoilTurn(..) | Parameter::SensorTurn(..)) { 1e-3 } else { 1.0 })
         .collect();
     let columns: Vec<Vec<f64>> = jacobian.iter().map(|column| flat(&column.readings)).collect();
     testkit::check_jacobian(predict, &vec![0.0; parameters.len()], &scales, &columns, 1e-6);

@@ -2,7 +2,7 @@
 
 use common::{Axis, Document};
 use nalgebra::{Matrix3, Vector3};
-use physics::{Basic, Context, EffectInstance, Inverter, Kind, Parameter, References, Row, Unit};
+use physics::{Basic, Context, EffectInstance, Inverter, Kind, Parameter, References, Row, Solved, Unit};
 
 /// A field that turns and varies over many rows, one second apart but for one gap and one missing reading.
 fn document(rows: usize) -> Document {
@@ -30,13 +30,20 @@ fn effect(kind: Kind, axis: Option<Axis>, parameters: &[f64]) -> EffectInstance 
     EffectInstance::new(kind, axis, parameters.to_vec())
 }
 
+fn solved<'a>(
+    basic: &'a Basic,
+    effects: &'a [EffectInstance],
+    context: &'a Context<'a>,
+    readings: &[Vector3<f64>],
+) -> Solved<'a> {
+    Inverter::new(basic, effects, context).and_then(|inverter| inverter.field(readings)).expect("solved")
+}
+
 /// The rows that are found, and by how much the worst of them misses the true field, nT.
 fn round_trip(document: &Document, effects: &[EffectInstance]) -> (Vec<Row>, f64) {
     let (basic, context) = setting(document);
     let prediction = physics::predict(&basic, effects, &context).expect("predicted");
-    let solved = Inverter::new(&basic, effects, &context)
-        .and_then(|inverter| inverter.field(&prediction.readings))
-        .expect("run backwards");
+    let solved = solved(&basic, effects, &context, &prediction.readings);
     let off = solved.field_sen.iter().zip(&prediction.field_sen).map(|(found, true_)| (found - true_).amax());
     (solved.rows.clone(), off.filter(|off| off.is_finite()).fold(0.0, f64::max))
 }
@@ -81,12 +88,11 @@ fn a_reading_beyond_saturation_is_said_to_have_no_field() {
     let document = document(100);
     let (basic, context) = setting(&document);
     let effects = [effect(Kind::Saturation, Some(Axis::X), &[52_000.0, 8.0])];
-    let mut readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
-    let truth = physics::predict(&basic, &effects, &context).expect("predicted").field_sen;
+    let predicted = physics::predict(&basic, &effects, &context).expect("predicted");
+    let (mut readings, truth) = (predicted.readings, predicted.field_sen);
     readings[7].x = 52_010.0 / 6400.0;
     readings[9].y = f64::NAN;
-    let solved =
-        Inverter::new(&basic, &effects, &context).expect("an inverter").field(&readings).expect("solved");
+    let solved = solved(&basic, &effects, &context, &readings);
     assert_eq!((solved.rows[7], solved.rows[9]), (Row::NotInvertible, Row::Missing));
     for row in (0..100).filter(|row| ![7, 9].contains(row)) {
         assert_eq!(solved.rows[row], Row::Found, "row {row}");
@@ -106,15 +112,9 @@ fn derivatives_agree_with_differences() {
         effect(Kind::LoopBandwidth, Some(Axis::Z), &[1.5, 0.0]),
     ];
     let readings = physics::predict(&basic, &effects, &context).expect("predicted").readings;
-    let solve = |basic: &Basic, effects: &[EffectInstance]| {
-        Inverter::new(basic, effects, &context)
-            .expect("an inverter")
-            .field(&readings)
-            .expect("solved")
-            .field_sen
-    };
-    let solved =
-        Inverter::new(&basic, &effects, &context).expect("an inverter").field(&readings).expect("solved");
+    let solve =
+        |basic: &Basic, effects: &[EffectInstance]| solved(basic, effects, &context, &readings).field_sen;
+    let solved = solved(&basic, &effects, &context, &readings);
     assert!(solved.rows.iter().all(|row| *row == Row::Found));
     let along =
         |parameter: Parameter| solved.along(&[vec![(parameter, 1.0)]]).expect("a derivative").remove(0);
@@ -131,11 +131,7 @@ fn derivatives_agree_with_differences() {
     {
         let moved = |by: f64| {
             let mut basic = basic.clone();
-            match parameter {
-                Parameter::Sensitivity(axis) => basic.sensors[axis.index()].sensitivity += by,
-                Parameter::SensorOffset(axis) => basic.sensors[axis.index()].offset_nt += by,
-                _ => unreachable!("two parameters"),
-            }
+            *basic.constant_mut(parameter).expect("a constant") += by;
             solve(&basic, &effects)
         };
         check(parameter, step, &moved);
