@@ -42,8 +42,7 @@ impl Celestial {
         Self { ut1_utc_s, hour: None }
     }
 
-    /// Turns a vector from ICRF to ITRF at a time, s of UTC since 1970. None before 1972, where there were no leap
-    /// seconds.
+    /// From ICRF to ITRF at a time, s of UTC since 1970. None before 1972: no leap seconds.
     pub fn to_earth(&mut self, unix_s: f64) -> Option<Matrix3<f64>> {
         let hour = (unix_s / KEPT_S).round() as i64;
         let intermediate = match self.hour {

@@ -151,7 +151,6 @@ impl Coefficients {
     }
 }
 
-/// The numbers of each line of a text.
 fn numbers(text: &str) -> impl Iterator<Item = Vec<f64>> {
     let lines = text.lines().filter(|line| !line.starts_with('#'));
     lines.map(|line| line.split_whitespace().filter_map(|word| word.parse().ok()).collect())

@@ -4,13 +4,10 @@ use std::array::from_fn;
 
 /// Columns that are whitened side by side.
 pub const LANES: usize = 8;
-/// Steps within this part of the typical one count as equal to it.
-pub const EVEN: f64 = 1e-3;
 /// Gains that change by less than this part of the largest from row to row are steady.
 const STEADY: f64 = 1e-11;
 
-/// What one row does to the state: x ← φ x + g e of each process, e the innovation, which has the standard
-/// deviation 1/`inverse`.
+/// What one row does: x ← φ x + g e of each process, e the innovation, of the std 1/`inverse`.
 #[derive(Debug)]
 pub struct Gain {
     /// φ of each process, for the step to the next row.
@@ -80,8 +77,7 @@ impl Gains {
 /// Time Series Analysis by State Space Methods, chapter 4): the covariance P of the predicted states.
 ///
 /// With M = P z, z all ones: F = zᵀM + σ² is the variance of the innovation, g = φ M/F and P ← φ (P − M Mᵀ/F)
-/// φ + s² (1 − φ²). For equal steps P tends to a constant; as soon as the gains are steady, they are kept
-/// until the step changes.
+/// φ + s² (1 − φ²). Gains that are steady are kept until the step changes.
 pub struct Filter<'a> {
     processes: &'a [Process],
     /// Variance of the step of a random walk, nT²/s, whose state is the last one.
@@ -122,8 +118,7 @@ impl<'a> Filter<'a> {
         self.added.len()
     }
 
-    /// Goes on by a row, to the next one `step_s` later; whether the gain is another one than that of the row
-    /// before.
+    /// Goes on by a row, to the next `step_s` later; whether the gain is another one than before.
     pub fn row(&mut self, step_s: f64) -> bool {
         let same = step_s == self.step_s;
         if same && self.steady {

@@ -38,23 +38,19 @@ impl Process {
 const FASTEST: f64 = 2.0;
 const FAST: usize = 5;
 const FAST_RATIO: f64 = 1.7;
-/// The slowest corner of a whitening lies at this part of the lowest frequency that counts, or just below:
-/// there the density levels off.
+/// The slowest corner is at this part of the lowest frequency: below, the density levels off.
 pub const SLOWEST: f64 = 0.2;
-/// Weight of a relative error in the last octave below the Nyquist frequency, where a sum of few processes
-/// cannot follow the kink that a power law folded there has.
+/// Weight of errors in the last octave, where a power law folded at Nyquist has a kink.
 const LAST_OCTAVE: f64 = 0.1;
-/// The density of the sum is at least this part of the power law at every frequency (beyond the Nyquist
-/// frequency, of f⁻²).
+/// The density is at least this part of the power law everywhere (of f⁻² beyond Nyquist).
 const LEAST: f64 = 0.01;
 /// Pulls needless weights to zero.
 const RIDGE: f64 = 1e-5;
 /// Fewest steps that the lowest frequency may take.
 const FEWEST: f64 = 16.0;
 
-/// Power-law noise A f^-α (one-sided density, nT²/Hz) as a sum of Ornstein–Uhlenbeck processes and a white
-/// part (variance of a reading, nT²), for readings `step_s` apart and frequencies from 1/`oldest_s` to 1/(2
-/// `step_s`).
+/// Power-law noise A f^-α (nT²/Hz) as a sum of Ornstein–Uhlenbeck processes and a white part (variance of a
+/// reading, nT²), for readings `step_s` apart and frequencies from 1/`oldest_s` to 1/(2 `step_s`).
 ///
 /// An endless sum with s_j² = A sin(πα/2) h ν_j^(1−α), ν_j the corner frequencies and h the step of ln ν, has
 /// this density but for a ripple (van der Ziel 1950; Milotti 1995, Phys. Rev. E 51, 3087). Few processes, and

@@ -1,7 +1,6 @@
 use nalgebra::{DMatrix, DVector};
 
-/// The x ≥ 0 that minimises |A x − b|: Lawson and Hanson 1974, Solving Least Squares Problems, chapter 23
-/// (NNLS).
+/// The x ≥ 0 that minimises |A x − b|: Lawson and Hanson 1974, chapter 23 (NNLS).
 fn not_negative(a: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let columns = a.ncols();
     let mut x = DVector::zeros(columns);

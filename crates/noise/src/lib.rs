@@ -29,6 +29,8 @@ use common::number::significant;
 use std::borrow::Cow;
 use thiserror::Error;
 
+/// Steps within this part of the typical one count as equal to it.
+const EVEN: f64 = 1e-3;
 /// Points of the grid on which noise with memory is made, at most.
 const MOST_POINTS: f64 = 1e8;
 
@@ -107,6 +109,24 @@ pub fn quantise(readings: &mut [f64], width: f64) {
     }
 }
 
+/// The steps between times in order, and the typical one: the median of those above zero (zero where there
+/// are none). Steps that count as equal to the typical one are set to it.
+fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
+    let ordered = |row: &usize| time_s[*row].is_finite() && (*row == 0 || time_s[*row] >= time_s[*row - 1]);
+    if let Some(row) = (0..time_s.len()).find(|row| !ordered(row)) {
+        return Err(NoiseError::Disorder(row));
+    }
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mut positive: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
+    let middle = positive.len() / 2;
+    let typical =
+        if positive.is_empty() { 0.0 } else { *positive.select_nth_unstable_by(middle, f64::total_cmp).1 };
+    for step in steps.iter_mut().filter(|step| (**step - typical).abs() <= EVEN * typical) {
+        *step = typical;
+    }
+    Ok((steps, typical))
+}
+
 /// An even grid over times that may be uneven.
 struct Grid {
     points: usize,
@@ -116,21 +136,14 @@ struct Grid {
 
 impl Grid {
     fn of(time: &[f64]) -> Result<Self, NoiseError> {
-        let later = |row: &usize| if *row == 0 { time[0].is_finite() } else { time[*row] >= time[*row - 1] };
-        if let Some(row) = (0..time.len()).find(|row| !later(row)) {
-            return Err(NoiseError::Disorder(row));
-        }
+        let (_, step_s) = steps(time)?;
         let length_s = time[time.len() - 1] - time[0];
         let mean = length_s / (time.len() - 1) as f64;
-        let steps = || time.windows(2).map(|pair| pair[1] - pair[0]);
         // Times that are rounded or jitter by less than a quarter of a step are even.
         let even = |(row, t): (usize, &f64)| (t - time[0] - row as f64 * mean).abs() <= mean / 4.0;
         if mean > 0.0 && time.iter().enumerate().all(even) {
             return Ok(Self { points: time.len(), step_s: mean, even: true });
         }
-        let mut sorted: Vec<f64> = steps().filter(|step| *step > 0.0).collect();
-        sorted.sort_by(f64::total_cmp);
-        let step_s = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
         let points = length_s / step_s + 2.0;
         if points.is_finite() && points <= MOST_POINTS {
             Ok(Self { points: points as usize, step_s, even: false })

@@ -9,10 +9,9 @@ use crate::{Grid, NoiseError, flicker_of};
 /// Covariance of means of readings under a declared noise, of exactly the process that [`crate::series`]
 /// draws from: rows of rows, nT².
 ///
-/// Each group is a run of rows, in order, and no row belongs to two of them; `counts` says which rows are
-/// there. White noise falls as σ²/n. Flicker noise has Σ P(f_k)/(nΔt) Re(W_a(f_k) W_b*(f_k)) over the Fourier
-/// frequencies of its grid, W the transform of a mean's weights. The random walk has r² times the mean of
-/// min(t_i, t_j), counted from the first row. Without times only white noise counts.
+/// Each group is a run of rows, in order and apart; `counts` says which are there. White noise falls as σ²/n.
+/// Flicker noise has Σ P(f_k)/(nΔt) Re(W_a(f_k) W_b*(f_k)), W the transform of a mean's weights. The random
+/// walk has r² times the mean of min(t_i, t_j). Without times only white noise counts.
 ///
 /// Errors: as [`crate::series`].
 pub fn covariance_of_means(
@@ -66,8 +65,7 @@ pub fn covariance_of_means(
     let rate = noise.random_walk_nt_per_sqrt_s.unwrap_or(0.0);
     if rate > 0.0 {
         for a in 0..many {
-            // What a later mean has in common with an earlier one is the walk to each of the earlier one's
-            // rows.
+            // A later mean shares with an earlier one the walk to each of the earlier one's rows.
             let rows = &members[a];
             let count = rows.len() as f64;
             let since = |row: usize| time[row] - time[0];

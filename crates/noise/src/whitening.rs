@@ -4,10 +4,10 @@ use std::sync::{Arc, OnceLock};
 
 use common::Noise;
 
-use crate::filter::{EVEN, Filter, Gain, Gains, LANES, States};
+use crate::filter::{Filter, Gain, Gains, LANES, States};
 use crate::level::Level;
 use crate::sums::Sums;
-use crate::{NoiseError, Process, flicker, flicker_of};
+use crate::{NoiseError, Process, flicker, flicker_of, steps};
 
 /// Rows that are whitened at a time.
 const ROWS: usize = 256;
@@ -132,8 +132,7 @@ impl Whitening {
         self.rows
     }
 
-    /// The same noise where the mean of the readings is known besides: it is zero within a standard
-    /// uncertainty.
+    /// The same where the mean of the readings is known: zero within a standard uncertainty.
     pub fn with_level(mut self, std_nt: f64) -> Self {
         self.level = None;
         let weight = 1.0 / (self.rows as f64 * std_nt);
@@ -350,8 +349,7 @@ impl Whitening {
         }
     }
 
-    /// The gains of all rows, where there is room to keep them from one column to the next: where steps are equal,
-    /// most rows share one.
+    /// The gains of all rows, where there is room; at equal steps most rows share one.
     fn gains(&self) -> Option<&[Gains]> {
         self.gains.get_or_init(|| self.computed(KEPT)).as_deref()
     }
@@ -375,8 +373,7 @@ impl Whitening {
         Some(all)
     }
 
-    /// ln of the determinant of the covariance: Σ ln F over the rows, F the variances of the innovations
-    /// (nT²).
+    /// ln det of the covariance: Σ ln F, F the variances of the innovations (nT²).
     pub fn log_determinant(&self) -> f64 {
         if self.is_white() {
             return self.rows as f64 * self.white.ln();
@@ -394,9 +391,8 @@ impl Whitening {
         self.whiten(&series).split_off(middle)
     }
 
-    /// Variance of a reading about the mean of its recording, nT²: that which the mean of (y_i − ȳ)² over the
-    /// rows is expected to be, (tr C − 1ᵀC1/n)/n of the covariance C, in one pass. What is slower than the
-    /// recording hardly counts.
+    /// Variance of a reading about the mean of its recording, nT²: the expected mean of (y_i − ȳ)² over the
+    /// rows, (tr C − 1ᵀC1/n)/n of the covariance C, in one pass.
     pub fn variance_nt2(&self) -> f64 {
         let rows = self.rows as f64;
         let mut variance = self.white * (1.0 - 1.0 / rows.max(1.0));
@@ -441,25 +437,4 @@ impl Whitening {
     fn step(&self, row: usize) -> f64 {
         self.steps_s.get(row).or(self.steps_s.last()).copied().unwrap_or(0.0)
     }
-}
-
-/// The steps between times in order, and the typical one: the median of those above zero (zero where there
-/// are none). Steps that count as equal to the typical one are set to it.
-fn steps(time_s: &[f64]) -> Result<(Vec<f64>, f64), NoiseError> {
-    let ordered = |row: &usize| match row {
-        0 => time_s[0].is_finite(),
-        row => time_s[*row] >= time_s[*row - 1] && time_s[*row].is_finite(),
-    };
-    if let Some(row) = (0..time_s.len()).find(|row| !ordered(row)) {
-        return Err(NoiseError::Disorder(row));
-    }
-    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let mut positive: Vec<f64> = steps.iter().copied().filter(|step| *step > 0.0).collect();
-    let middle = positive.len() / 2;
-    let typical =
-        if positive.is_empty() { 0.0 } else { *positive.select_nth_unstable_by(middle, f64::total_cmp).1 };
-    for step in steps.iter_mut().filter(|step| (**step - typical).abs() <= EVEN * typical) {
-        *step = typical;
-    }
-    Ok((steps, typical))
 }

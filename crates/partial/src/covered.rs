@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Stretches of time at most. Of more, the shortest hole between two is closed: what is missing there is
-/// missing for good.
+/// Stretches of time at most. Of more, the shortest hole is closed for good.
 pub const MOST: usize = 512;
 
 /// A moment: a number of seconds, or the number of a place on a grid.
@@ -75,9 +74,7 @@ impl<T: Moment> Covered<T> {
 
     /// Adds the stretches of another. Those with nothing between them become one.
     ///
-    /// # Errors
-    ///
-    /// From when to when both cover the same.
+    /// Errors: from when to when both cover the same.
     pub fn merge(&mut self, other: &Self) -> Result<(), [T; 2]> {
         let mut all: Vec<[T; 2]> = Vec::with_capacity(self.0.len() + other.0.len());
         let (mut mine, mut theirs) = (self.0.iter().peekable(), other.0.iter().peekable());
@@ -100,8 +97,7 @@ impl<T: Moment> Covered<T> {
         Ok(())
     }
 
-    /// Closes the shortest hole, the first of several, where there are more stretches than `most`. Gives the
-    /// moments before and after it.
+    /// Closes the shortest (first) hole if there are more than `most`; the moments beside it.
     pub fn close(&mut self, most: usize) -> Option<[T; 2]> {
         if self.0.len() <= most {
             return None;

@@ -6,9 +6,8 @@
 //! makes one, `merge` joins many of them, and `merge --partial` writes what was joined, so that merges can be
 //! grouped: by day, month and year, or by machine.
 //!
-//! A stage states its statistics as a [`Partial`], and how rows become them as a [`Series`]; reading files
-//! ([`take`]), text ([`to_line`], [`parse`], [`merge_lines`]) and the times that are covered ([`Covered`])
-//! are the same for all.
+//! A stage states its statistics as a [`Partial`], and how rows become them as a [`Series`]; reading files,
+//! text and the times that are covered ([`Covered`]) are the same for all.
 //!
 //! `testkit::partials_merge` tests every [`Partial`] for these laws; `program::pieces` is the command line of
 //! `stream --partial` and `merge`.
@@ -45,18 +44,14 @@ pub trait Partial: Serialize + DeserializeOwned + Send {
 
     /// Takes what another holds. One without rows changes nothing.
     ///
-    /// # Errors
-    ///
-    /// [`Error::Unlike`] for what cannot be of the same series, [`Error::Overlap`] where both cover the same
+    /// Errors: [`Error::Unlike`] for what cannot be of the same series, [`Error::Overlap`] where both cover the same
     /// time.
     fn join(&mut self, other: Self) -> Result<(), Self::Error>;
 }
 
 /// Joins pieces of one series, in any order; between them there may be holes, which other pieces fill later.
 ///
-/// # Errors
-///
-/// [`Error::Empty`] of none; as [`Partial::join`].
+/// Errors: [`Error::Empty`] of none; as [`Partial::join`].
 pub fn merge<P: Partial>(mut pieces: Vec<P>) -> Result<P, P::Error> {
     pieces.sort_by(|a, b| a.first_s().unwrap_or(f64::MIN).total_cmp(&b.first_s().unwrap_or(f64::MIN)));
     let mut pieces = pieces.into_iter();

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// At most `KEPT` rows of `WIDTH` numbers, times first: the same whichever pieces they come from, those whose times have
-/// the smallest hash values, by these.
+/// At most `KEPT` rows of `WIDTH` numbers, times first: those whose times have the smallest hashes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<Vec<f64>>", into = "Vec<Vec<f64>>")]
 pub struct Sample<const WIDTH: usize, const KEPT: usize>(BTreeMap<u64, [f64; WIDTH]>);

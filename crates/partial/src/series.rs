@@ -22,18 +22,14 @@ pub trait Series: Clone + Sync {
 
     /// How the rows of a recording are taken, by what it states; None where it is not of the series.
     ///
-    /// # Errors
-    ///
-    /// What it states that cannot be.
+    /// Errors: what it states that cannot be.
     fn of_recording(&self, _recording: &Recording, _path: &str) -> Result<Option<Self>, Fault> {
         Ok(Some(self.clone()))
     }
 
     /// The columns that are wanted of those that there are, times first, and what takes them.
     ///
-    /// # Errors
-    ///
-    /// What is missing, in words.
+    /// Errors: what is missing, in words.
     fn begin(&self, there: &[String]) -> Result<(Vec<String>, Self::Take), String>;
 }
 
@@ -44,25 +40,19 @@ pub trait Take {
 
     /// Takes the next rows, in the order of the names that were wanted.
     ///
-    /// # Errors
-    ///
-    /// Rows that cannot be taken, by their number.
+    /// Errors: rows that cannot be taken, by their number.
     fn push(&mut self, columns: &[&[f64]]) -> Result<(), <Self::Partial as Partial>::Error>;
 
     /// The piece.
     ///
-    /// # Errors
-    ///
-    /// Where there is none.
+    /// Errors: where there is none.
     fn finish(self) -> Result<Self::Partial, <Self::Partial as Partial>::Error>;
 }
 
 /// Takes a file in one pass and bounded memory: CSV, NDJSON or Parquet by its extension, `.json` a document,
 /// of which the recordings of the procedure are taken, with times since 1970 where they say when they began.
 ///
-/// # Errors
-///
-/// A file that cannot be read, or rows that cannot be taken, each with file and row.
+/// Errors: a file that cannot be read, or rows that cannot be taken, each with file and row.
 pub fn take<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
     if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json")) {
         let text = fs::read_to_string(path).map_err(|source| Fault::file(path, "read", source))?;
@@ -74,9 +64,7 @@ pub fn take<S: Series>(series: &S, path: &Path) -> Result<S::Partial, Fault> {
 /// Takes what comes from a stream, in one pass: CSV, NDJSON or a document, told by how it begins. `shown`
 /// stands for it in messages.
 ///
-/// # Errors
-///
-/// As [`take`].
+/// Errors: as [`take`].
 pub fn take_from<S: Series>(
     series: &S,
     mut input: impl Read + Send + 'static,

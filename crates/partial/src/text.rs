@@ -25,9 +25,7 @@ pub fn to_line<P: Partial>(piece: &P) -> String {
 
 /// Reads a piece from JSON.
 ///
-/// # Errors
-///
-/// [`Error::Format`] for a text that is none, of another kind or in another version.
+/// Errors: [`Error::Format`] for a text that is none, of another kind or in another version.
 pub fn parse<P: Partial>(text: &str) -> Result<P, Error> {
     #[derive(Deserialize)]
     #[serde(expecting = "an object")]
@@ -58,9 +56,7 @@ pub fn parse<P: Partial>(text: &str) -> Result<P, Error> {
 /// Merges the pieces of several sources, one a line, in memory for a few of them. What comes out does not
 /// depend on the number of threads.
 ///
-/// # Errors
-///
-/// A source that cannot be read, a line that is no piece, with source and line; [`Error::Empty`] where there
+/// Errors: a source that cannot be read, a line that is no piece, with source and line; [`Error::Empty`] where there
 /// is none; pieces that cannot be joined, with the source up to which they were.
 pub fn merge_lines<P: Partial>(
     sources: impl IntoIterator<Item = (String, Box<dyn BufRead>)>,

@@ -14,6 +14,10 @@ fn declared(white: f64, flicker: f64, exponent: f64, walk: f64) -> Noise {
     }
 }
 
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
 /// Even, uneven and gapped times, and such with readings at one time.
 fn times(rows: usize) -> [Vec<f64>; 4] {
     let even = |row: usize| 100.0 + 0.1 * row as f64;
@@ -65,7 +69,8 @@ fn it_is_the_inverse_of_the_root_of_the_covariance() {
             let norms = whitening.step_norms();
             for from in [0, 1, 150, rows - 1] {
                 let step: Vec<f64> = (0..rows).map(|row| f64::from(u8::from(row >= from))).collect();
-                let norm: f64 = whitening.whiten(&step).iter().map(|value| value * value).sum();
+                let white = whitening.whiten(&step);
+                let norm = dot(&white, &white);
                 assert!((norms[from] - norm).abs() < 1e-8 * norm, "{number} {which} {from}: {norm}");
             }
             let mut farthest = 0f64;
@@ -118,7 +123,6 @@ fn a_known_mean_is_one_more_observation() {
             let with = without.clone().with_level(0.02);
             let mut stream = Stream::new(3, "columns");
             let [one, other] = [0, 1].map(|_| (0..rows).map(|_| stream.normal()).collect::<Vec<f64>>());
-            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             let mean = |y: &[f64]| y.iter().sum::<f64>() / rows as f64;
             let product = |noise: &Whitening| dot(&noise.whiten(&one), &noise.whiten(&other));
             let expected = product(&without) + mean(&one) * mean(&other) / (0.02 * 0.02);
@@ -173,8 +177,7 @@ fn drawn_noise_becomes_white() {
         let noise = declared(0.3, flicker, exponent, 0.0);
         let drawn = series(&noise, 5, "drawn", rows, Some(&time)).expect("noise");
         let white = Whitening::of(&noise, Some(&time), rows, 409.6).expect("a whitening").whiten(&drawn);
-        let mean =
-            |lag: usize| white.iter().zip(&white[lag..]).map(|(a, b)| a * b).sum::<f64>() / rows as f64;
+        let mean = |lag: usize| dot(&white, &white[lag..]) / rows as f64;
         assert!((mean(0) - 1.0).abs() < 0.1, "{exponent}: {}", mean(0));
         for lag in 1..=5 {
             assert!(mean(lag).abs() < 4.0 / (rows as f64).sqrt(), "{lag}: {}", mean(lag));
@@ -234,7 +237,6 @@ fn the_transposed_filter_is_the_filters_transpose() {
             let whitening = Whitening::of(&noise, Some(&time), 50, 200.0).expect("a noise");
             let [a, b]: [Vec<f64>; 2] =
                 [0.7, 1.9].map(|w: f64| (0..50).map(|row| (w * f64::from(row)).sin()).collect());
-            let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
             let (one, other) = (dot(&whitening.whiten(&a), &b), dot(&a, &whitening.whiten_transposed(&b)));
             assert!((one - other).abs() < 1e-9 * one.abs().max(1.0), "{one} {other}");
         }
