@@ -2,8 +2,7 @@
 
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, Normal, StudentsT};
 
-/// Beyond so many degrees of freedom Student's t is the normal to five digits, and its series no longer
-/// converge.
+/// From here on Student's t is the normal to five digits, and its series do not converge.
 pub(crate) const NORMAL_FROM: f64 = 1e6;
 
 /// P(|t| ≥ `t`) for Student's t with `freedom` degrees of freedom; infinite freedom is the normal.

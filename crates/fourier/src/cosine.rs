@@ -47,11 +47,6 @@ impl Cosine {
     }
 }
 
-/// [`Cosine::transform`] of one series.
-pub fn cosine(values: &[f64], middle: f64) -> Vec<f64> {
-    Cosine::new(values.len()).transform(values, middle)
-}
-
 fn turn(k: usize, points: usize) -> Complex<f64> {
     Complex::from_polar(1.0, -FRAC_PI_2 * k as f64 / points as f64)
 }

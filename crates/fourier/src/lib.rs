@@ -1,12 +1,11 @@
-//! Discrete Fourier transforms of real series in double precision: realfft, compiled here once and not in
-//! each crate that uses it. Neither direction is scaled: x → X → x gives N x. And the cosine transform, which
-//! is made of it.
+//! Discrete Fourier transforms of real series: realfft, compiled here once and not in each crate that uses
+//! it, unscaled: x → X → x gives N x. And the cosine transform, which is made of it.
 
 mod cosine;
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-pub use cosine::{Cosine, cosine};
+pub use cosine::Cosine;
 pub use realfft::num_complex::Complex;
 use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
@@ -33,9 +32,7 @@ pub fn forward(mut series: Vec<f64>) -> Vec<Complex<f64>> {
 /// N/2 + 1 complex numbers back to N = `points` real ones. Imaginary parts at zero and at the Nyquist
 /// frequency, which a real series has not, do not count.
 ///
-/// # Panics
-///
-/// Unless there are as many numbers.
+/// Panics: unless there are as many numbers.
 pub fn inverse(mut spectrum: Vec<Complex<f64>>, points: usize) -> Vec<f64> {
     let plan = kept(&INVERSE, points, || RealFftPlanner::new().plan_fft_inverse(points));
     let mut series = plan.make_output_vec();

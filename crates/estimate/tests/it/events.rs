@@ -12,23 +12,18 @@ const STEP_S: f64 = 60.0;
 const ROWS: usize = 4320;
 const TRIALS: u64 = 30;
 
-struct Kind {
-    name: &'static str,
-    white: f64,
-    amplitude: f64,
-    exponent: f64,
-}
+/// Name, amplitude and exponent of flicker, and rms of white noise.
+struct Kind(&'static str, (f64, f64), f64);
 
 const KINDS: [Kind; 3] = [
-    Kind { name: "white", white: 0.1, amplitude: 0.0, exponent: 1.0 },
-    Kind { name: "flicker, α = 1", white: 0.02, amplitude: 1e-3, exponent: 1.0 },
-    Kind { name: "flicker, α = 1.5", white: 0.02, amplitude: 2e-5, exponent: 1.5 },
+    Kind("white", (0.0, 1.0), 0.1),
+    Kind("flicker, α = 1", (1e-3, 1.0), 0.02),
+    Kind("flicker, α = 1.5", (2e-5, 1.5), 0.02),
 ];
 
 impl Kind {
     fn series(&self, seed: u64) -> Vec<f64> {
-        let mut stream = Stream::new(seed, self.name);
-        made(&mut stream, (ROWS, STEP_S), (self.amplitude, self.exponent), self.white)
+        made(&mut Stream::new(seed, self.0), (ROWS, STEP_S), self.1, self.2)
     }
 }
 
@@ -52,7 +47,7 @@ fn clean_series_raise_no_alarm() {
     let count = testkit::campaigns(100);
     for kind in &KINDS {
         let alarms = (0..count).filter(|seed| alarm(&filter(&kind.series(*seed)))).count();
-        assert!(alarms as f64 <= 0.02 * count as f64, "{}: {alarms} of {count}", kind.name);
+        assert!(alarms as f64 <= 0.02 * count as f64, "{}: {alarms} of {count}", kind.0);
     }
 }
 
@@ -84,8 +79,8 @@ fn power_and_size() {
                 }
                 shares.push(caught as f64 / TRIALS as f64);
             }
-            assert!(shares[0] < 0.15 && shares[3] > 0.9, "{} {shape:?}: {shares:?}", kind.name);
-            assert!(inside as f64 >= 0.85 * counted as f64, "{} {shape:?}: {inside} of {counted}", kind.name);
+            assert!(shares[0] < 0.15 && shares[3] > 0.9, "{} {shape:?}: {shares:?}", kind.0);
+            assert!(inside as f64 >= 0.85 * counted as f64, "{} {shape:?}: {inside} of {counted}", kind.0);
         }
     }
 }
@@ -114,7 +109,7 @@ fn gaps_are_filled_with_what_is_likely() {
             likely += off(&filled);
             alarms += usize::from(alarm(&Search::new(&filled, STEP_S, &density).expect("a filter")));
         }
-        assert!(likely < straight && alarms <= 2, "{}: {likely} {straight} {alarms}", kind.name);
+        assert!(likely < straight && alarms <= 2, "{}: {likely} {straight} {alarms}", kind.0);
     }
 }
 

@@ -64,33 +64,17 @@ fn cover(case: &'static str, layout: &[(usize, f64)], amplitude: f64, exponent: 
 }
 
 #[test]
-fn three_series_of_pink_noise() {
+fn three_series() {
     cover("three series, alpha 1", &THREE, 1e-4, 1.0);
-}
-
-#[test]
-fn three_series_of_steeper_noise() {
     cover("three series, alpha 1.4", &THREE, 1e-4, 1.4);
-}
-
-#[test]
-fn three_series_of_white_noise() {
     cover("three series, white", &THREE, 0.0, 1.0);
 }
 
 #[test]
-fn single_series_of_pink_noise() {
+fn single_series() {
     cover("one series, alpha 1", &[(2000, 1.0)], 1e-4, 1.0);
     cover("one fast series, alpha 1", &[(2000, 0.01)], 1e-4, 1.0);
-}
-
-#[test]
-fn single_series_of_steeper_noise() {
     cover("one series, alpha 1.4", &[(2000, 1.0)], 1e-4, 1.4);
     cover("one series, alpha 1.8", &[(2000, 1.0)], 1e-4, 1.8);
-}
-
-#[test]
-fn single_series_of_white_noise() {
     cover("one series, white", &[(2000, 1.0)], 0.0, 1.0);
 }

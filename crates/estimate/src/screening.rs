@@ -1,4 +1,0 @@
-//! What is in a residual: groups of columns that explain it, steps and spikes.
-
-pub mod events;
-pub mod screen;
