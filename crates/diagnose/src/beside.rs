@@ -251,7 +251,7 @@ impl Compared {
         let (from, to) = (problem.time_s.first(), problem.time_s.last());
         let middle_s = from.zip(to).map_or(0.0, |(from, to)| (from + to) / 2.0);
         let rate = clock.rate.as_ref().map_or(0.0, Quantity::value);
-        let late_s = |at_s: &f64| clock.offset_s.value() + rate * (at_s - middle_s);
+        let late_s = |at_s: &f64| clock.difference.offset_s.value() + rate * (at_s - middle_s);
         let of = |late_nt: &Vec<f64>| {
             late_nt.iter().zip(&problem.time_s).map(|(nt, at_s)| nt * late_s(at_s)).collect()
         };

@@ -8,9 +8,11 @@
 //! bytes alone, and pandas with NumPy's `lstsq`, which find η only (FLUXCAL_PYTHON names another interpreter
 //! than python3, FLUXCAL_BENCH_ROWS fewer rows).
 
-use diffmag::stream::{Batch, Partial, Statistics, answer};
+use common::Axis;
+use diffmag::stream::{Partial, Statistics, answer};
 use divan::{Bencher, black_box};
 use noise::Stream;
+use partial::Take;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::Command;
@@ -61,14 +63,14 @@ static DAY: LazyLock<(Vec<f64>, [Vec<f64>; 6])> = LazyLock::new(|| {
 
 fn pass() -> Partial {
     let (time, columns) = &*DAY;
-    let mut statistics = Statistics::new();
+    let mut statistics = Statistics::default();
     for from in (0..ROWS).step_by(BATCH) {
         let rows = from..(from + BATCH).min(ROWS);
-        let [x, y, z, u, v, w] = columns.each_ref().map(|column| &column[rows.clone()]);
-        let batch = Batch { time_s: &time[rows], reference_nt: [x, y, z], test_nt: [u, v, w] };
+        let batch: Vec<&[f64]> =
+            std::iter::once(time).chain(columns).map(|column| &column[rows.clone()]).collect();
         statistics.push(black_box(&batch)).expect("on the grid");
     }
-    statistics.finish()
+    statistics.finish().expect("a piece")
 }
 
 #[divan::bench(sample_count = 10)]
@@ -120,10 +122,10 @@ fn alone(way: &str, file: &Path) -> Value {
     let start = Instant::now();
     let found = match way {
         "stream" => {
-            let fit = answer(&partial::take(&diffmag::Columns::default(), file).expect("a piece"))
-                .expect("an answer");
-            let eta = |i: usize| fit.axes.each_ref().map(|axis| axis.least_squares[i].value);
-            json!({"matrix": [eta(0), eta(1), eta(2)], "rms_nt": fit.axes.each_ref().map(|axis| axis.rms_nt)})
+            let piece = partial::take(&diffmag::Columns::default(), file).expect("a piece");
+            let fit = answer(&piece).expect("an answer").fit.expect("a fit");
+            let eta = |from| Axis::ALL.map(|to| fit.elements[&format!("{from}{to}")].least_squares);
+            json!({"matrix": Axis::ALL.map(eta), "rms_nt": fit.axes.iter().map(|(_, of)| of.rms_nt).collect::<Vec<_>>()})
         }
         "read" => {
             let reader = Reader::open(file, Some(&NAMES)).expect("opened");

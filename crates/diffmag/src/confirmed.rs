@@ -5,8 +5,8 @@ use common::{EventKind, Quantity};
 use crate::Error;
 use crate::regression::{AxisFit, step_sizes};
 use joined::Pair;
+use paired::apart;
 use paired::events::{self, CONFIRMED, FoundEvent};
-use paired::look::{Moved, aligned};
 use paired::noise::Noise;
 use paired::prepare::{Prepared, settled};
 use paired::residual::{of_levels, scatter};
@@ -20,40 +20,35 @@ const REFUTED: f64 = 3.0;
 /// While events are looked for η is not the final one: noise of the reference, or filters, may pull it at
 /// short periods, and a sudden change of the field then leaves a step.
 pub fn confirmed(prepared: &Prepared, raw: &Pair, fits: &[AxisFit; 3]) -> Result<Option<Prepared>, Error> {
-    let sizes = step_sizes(&prepared.events, fits);
+    let found = &prepared.events.found;
+    if found.is_empty() {
+        return Ok(None);
+    }
     let stands = |(found, size): (&FoundEvent, Option<Quantity>)| {
         size.is_none_or(|size| apart(0.0, &size) >= CONFIRMED || apart(found.size, &size) < REFUTED)
     };
-    let mut kept: Vec<bool> = prepared.events.found.iter().zip(sizes).map(stands).collect();
+    let mut kept: Vec<bool> = found.iter().zip(step_sizes(&prepared.events, fits)).map(stands).collect();
+    let (steps, disturbed): (Vec<usize>, Vec<usize>) =
+        (0..found.len()).partition(|number| found[*number].kind == EventKind::Step);
     // With steps taken off no axis leaves more than it would without any fit.
     for (axis, fit) in fits.iter().enumerate() {
         if scatter(&fit.difference, &prepared.pair.whole) > of_levels(raw, axis) {
-            let steps = kept.iter_mut().zip(&prepared.events.found);
-            let own = steps
-                .filter(|(_, found)| found.kind == EventKind::Step && found.axes(fits.len()).contains(&axis));
-            own.for_each(|(kept, _)| *kept = false);
+            let own = steps.iter().filter(|step| found[**step].axes(fits.len()).contains(&axis));
+            own.for_each(|step| kept[*step] = false);
         }
     }
-    if prepared.events.found.is_empty() {
-        return Ok(None);
-    }
-    let (steps, disturbed): (Vec<&FoundEvent>, Vec<&FoundEvent>) =
-        prepared.events.found.iter().partition(|event| event.kind == EventKind::Step);
-    let pair =
-        aligned(prepared.events.steps().taken_out(raw, prepared.shift), prepared.shift, Moved::Reference);
+    let of = |numbers: &[usize]| numbers.iter().map(|number| &found[*number]).collect::<Vec<_>>();
+    let pair = prepared.events.steps().aligned(raw, prepared.shift);
     let mut out: Vec<bool> = pair.whole.iter().map(|whole| !whole).collect();
-    disturbed.iter().for_each(|event| out[event.from..=event.to].fill(true));
+    of(&disturbed).iter().for_each(|event| out[event.from..=event.to].fill(true));
     let left: Vec<Vec<f64>> = fits.iter().enumerate().map(|(axis, fit)| fit.left(&pair, axis)).collect();
     let eta: Vec<[f64; 3]> = fits.iter().map(|fit| std::array::from_fn(|i| fit.fit.weighted[i])).collect();
-    let lasting = events::lasting(&left, &eta, &out, &steps);
-    let of_steps = kept.iter_mut().zip(&prepared.events.found).filter(|(_, of)| of.kind == EventKind::Step);
-    of_steps.zip(lasting).for_each(|((kept, _), lasts)| *kept &= lasts);
+    let lasting = events::lasting(&left, &eta, &out, &of(&steps));
+    steps.iter().zip(lasting).for_each(|(step, lasts)| kept[*step] &= lasts);
     if !disturbed.is_empty() {
         let noise: Vec<&Noise> = fits.iter().map(|fit| &fit.noise).collect();
-        let off = events::off(&left, &out, pair.step_s, &noise, &disturbed)?;
-        let of_rows =
-            kept.iter_mut().zip(&prepared.events.found).filter(|(_, of)| of.kind != EventKind::Step);
-        of_rows.zip(off).for_each(|((kept, _), off)| *kept = off);
+        let off = events::off(&left, &out, pair.step_s, &noise, &of(&disturbed))?;
+        disturbed.iter().zip(off).for_each(|(number, off)| kept[*number] = off);
     }
     if !kept.contains(&false) {
         return Ok(None);
@@ -61,11 +56,6 @@ pub fn confirmed(prepared: &Prepared, raw: &Pair, fits: &[AxisFit; 3]) -> Result
     let correct_clock = prepared.clock.as_ref().is_some_and(|clock| clock.corrected);
     let events = prepared.events.confirmed(&kept);
     settled(raw, events, prepared.clock.clone(), prepared.shift, correct_clock).map(Some)
-}
-
-/// How far a quantity is from a value, in its uncertainties.
-fn apart(value: f64, quantity: &Quantity) -> f64 {
-    ((quantity.value() - value) / quantity.std().unwrap_or(f64::INFINITY)).abs()
 }
 
 #[cfg(test)]
@@ -89,35 +79,19 @@ mod tests {
         });
         test[0][1000..].iter_mut().for_each(|value| *value += 2.0);
         Pair {
-            recordings: vec!["pair".into()],
-            first_s: 0.0,
             step_s: 1.0,
             reference: field.map(Into::into),
             test: test.map(Into::into).into(),
-            third: None,
-            reference_noise: None,
             whole: vec![true; ROWS],
-            highest_hz: None,
             steps: vec![Vec::new(); 3],
             segments: vec![joined::Segment { rows: 0..ROWS, late_s: 0.0 }],
-            boundaries: Vec::new(),
-            pauses: Vec::new(),
-            step_stds: vec![Vec::new(); 3],
-            told: Vec::new(),
+            ..Pair::default()
         }
     }
 
     fn step(from: usize, size: f64) -> FoundEvent {
-        FoundEvent {
-            kind: EventKind::Step,
-            instrument: EventInstrument::Test,
-            axis: 0,
-            from,
-            to: from,
-            size,
-            std: 0.05,
-            z: size / 0.05,
-        }
+        let (kind, instrument) = (EventKind::Step, EventInstrument::Test);
+        FoundEvent { kind, instrument, axis: 0, from, to: from, size, std: 0.05 }
     }
 
     #[test]

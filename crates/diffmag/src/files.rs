@@ -1,9 +1,9 @@
 //! Rows of files, which become statistics of long series.
 
 use common::procedure;
-use partial::{Series, Take};
+use partial::Series;
 
-use crate::stream::{self, Batch, Grid, Partial, Statistics};
+use crate::stream::{Partial, Statistics};
 
 /// Two magnetometers side by side in the columns of a table or a recording.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,10 +24,10 @@ impl Default for Columns {
 
 impl Series for Columns {
     type Partial = Partial;
-    type Take = Pair;
+    type Take = Statistics;
     const PROCEDURE: &'static str = procedure::DIFFERENTIAL;
 
-    fn begin(&self, there: &[String]) -> Result<(Vec<String>, Pair), String> {
+    fn begin(&self, there: &[String]) -> Result<(Vec<String>, Statistics), String> {
         let axes = |instrument: &str| ["x", "y", "z"].map(|axis| format!("{instrument}_{axis}_nt"));
         let names: Vec<String> =
             std::iter::once("time_s".into()).chain(axes(&self.reference)).chain(axes(&self.test)).collect();
@@ -36,32 +36,6 @@ impl Series for Columns {
         if !absent.is_empty() {
             return Err(absent.join(", "));
         }
-        Ok((names, Pair { step_s: self.step_s, statistics: None }))
-    }
-}
-
-/// Takes rows; the first ones start the statistics.
-pub struct Pair {
-    step_s: Option<f64>,
-    statistics: Option<Statistics>,
-}
-
-impl Take for Pair {
-    type Partial = Partial;
-
-    fn push(&mut self, columns: &[&[f64]]) -> Result<(), stream::Error> {
-        let [time_s, rx, ry, rz, tx, ty, tz] = std::array::from_fn(|k| columns[k]);
-        if self.statistics.is_none() {
-            self.statistics = Some(match (self.step_s, time_s.first()) {
-                (Some(step_s), Some(first)) => Statistics::on(Grid::of(step_s, *first)?),
-                _ => Statistics::new(),
-            });
-        }
-        let rows = Batch { time_s, reference_nt: [rx, ry, rz], test_nt: [tx, ty, tz] };
-        self.statistics.get_or_insert_default().push(&rows)
-    }
-
-    fn finish(self) -> Result<Partial, stream::Error> {
-        Ok(self.statistics.unwrap_or_default().finish())
+        Ok((names, Statistics::every(self.step_s)))
     }
 }

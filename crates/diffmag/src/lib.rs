@@ -27,6 +27,7 @@ mod confirmed;
 mod files;
 mod matrix;
 mod noise;
+mod octave;
 mod shown;
 pub mod stream;
 mod words;
@@ -70,7 +71,7 @@ pub fn run(mut document: Document, options: &Options) -> Result<Document, Error>
         fit.series = shown::series(&covariates, &recorded, &prepared, &fits, fit);
     }
     let levels_nt = std::array::from_fn(|axis| residual::of_levels(&recorded, axis));
-    reference_noise::adopt(&level, reference_noise::find(&level, &fits, levels_nt)?, &mut found)?;
+    reference_noise::add(&level, &fits, levels_nt, &mut found)?;
     if let Some(clock) = prepared.clock.as_ref().filter(|clock| clock.corrected) {
         paired::adopt::clock(&mut document, &raw, clock, "diffmag");
     }

@@ -1,16 +1,16 @@
 //! The difference along what it may follow, as a few points for plots.
 
-use common::{Axis, DifferenceAxis, DifferentialFit, DriftForm, ResidualSeries};
+use common::{Axis, DifferenceAxis, DifferentialFit, ResidualSeries};
 use estimate::grouped::{Grouped, grouped};
 
+use crate::drift::exponential;
 use crate::regression::AxisFit;
 use explain::Covariate;
-use joined::Pair;
+use joined::{DAY_S, Pair};
 use paired::prepare::Prepared;
+use paired::residual::beside;
 
-/// Most points of a series.
 const POINTS: usize = 120;
-const DAY_S: f64 = 86_400.0;
 
 /// Along time, the field's rate of change, and each housekeeping column.
 pub fn series(
@@ -21,7 +21,7 @@ pub fn series(
     fit: &DifferentialFit,
 ) -> Vec<ResidualSeries> {
     let rows = raw.whole.len();
-    let time: Vec<f64> = (0..rows).map(|row| raw.time_s(row)).collect();
+    let time = raw.times_s();
     let mut all = Vec::new();
     for (axis, found) in Axis::ALL.into_iter().zip(fits) {
         let (j, left) = (axis.index(), &found.difference);
@@ -84,14 +84,9 @@ pub fn series(
 
 /// T − R of the axes of one name, less its mean.
 fn levels(raw: &Pair, axis: usize) -> Vec<f64> {
-    let d = raw.test[axis].iter().zip(&raw.reference[axis]).map(|(test, reference)| test - reference);
-    let d: Vec<f64> = d.collect();
-    let (sum, count) = d
-        .iter()
-        .zip(&raw.whole)
-        .filter(|(_, whole)| **whole)
-        .fold((0.0, 0.0), |(s, n), (d, _)| (s + d, n + 1.0));
-    d.iter().map(|d| d - sum / count).collect()
+    let d = beside(raw, axis);
+    let sum: f64 = d.iter().zip(&raw.whole).filter(|(_, whole)| **whole).map(|(d, _)| d).sum();
+    d.iter().map(|d| d - sum / raw.samples() as f64).collect()
 }
 
 /// Rate of change of the field along a test axis by the reference, nT/s: central differences.
@@ -108,8 +103,7 @@ fn field_rate(raw: &Pair, found: &AxisFit) -> Vec<f64> {
 /// What is left, with the drift that was taken off.
 fn with_drift(raw: &Pair, left: &[f64], found: Option<&DifferenceAxis>) -> Vec<f64> {
     let Some(drift) = found.map(|found| &found.drift) else { return left.to_vec() };
-    let joint =
-        drift.joint.as_ref().filter(|_| matches!(drift.demanded, DriftForm::Exponential | DriftForm::Both));
+    let joint = exponential(drift);
     let at = |row: usize| {
         let straight = drift.straight_nt_per_day.value() * raw.since_middle_s(row) / DAY_S;
         let decay = joint.map_or(0.0, |joint| {

@@ -22,36 +22,24 @@ mod profile;
 mod pyramid;
 mod slow;
 mod tile;
-mod told;
 
 pub use self::partial::Partial;
-pub use answer::{AxisFit, Estimate, NoiseFit, StreamFit, answer};
+pub use answer::{answer, document};
 pub use error::Error;
-pub use grid::Grid;
-pub use octaves::Octave;
-pub use told::document;
+use grid::Grid;
 
 use self::partial::Row;
-use ::partial::{Covered, Error as Fault};
+use ::partial::{Covered, Error as Fault, Take};
 use tile::TILE;
 
 /// Places of one triangular factorisation, a whole number of tiles.
 const LEAF: usize = 1024;
 
-/// Rows of both instruments, in the order of time; NaN where a reading is missing.
-#[derive(Clone, Copy, Debug)]
-pub struct Batch<'a> {
-    /// Times, s.
-    pub time_s: &'a [f64],
-    /// Readings of the reference's x, y, z, nT.
-    pub reference_nt: [&'a [f64]; 3],
-    /// Readings of the test instrument's x, y, z, nT.
-    pub test_nt: [&'a [f64]; 3],
-}
-
 /// Takes a piece of a series row by row.
 #[derive(Clone, Debug, Default)]
 pub struct Statistics {
+    /// From one sample to the next, s; None: found from the first batch.
+    step_s: Option<f64>,
     /// The grid, and what was taken on it.
     begun: Option<(Grid, Partial)>,
     rows: u64,
@@ -64,45 +52,45 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Nothing yet; the grid is found from the first batch ([`Grid::found`]).
-    pub fn new() -> Self {
-        Self::default()
+    /// Nothing yet, of samples so far apart (s); None: found from the first batch ([`Grid::found`]).
+    pub fn every(step_s: Option<f64>) -> Self {
+        Self { step_s, ..Self::default() }
     }
+}
 
-    /// Nothing yet, on a known grid.
-    pub fn on(grid: Grid) -> Self {
-        Self { begun: Some((grid, Partial::on(grid))), ..Self::default() }
-    }
+impl Take for Statistics {
+    type Partial = Partial;
 
-    /// Takes the next rows. A row that lacks a reading is missing for all; places without a row are a gap.
+    /// Takes the next rows: times (s), readings of the reference's x, y, z and of the test instrument's (nT, NaN
+    /// where one is missing). A row that lacks a reading is missing for all; places without a row are a gap.
     /// What comes out does not depend on how the rows are cut into batches, once the grid is known. Refuses
     /// columns of unlike length, a time that is missing, off the grid or does not rise, and a first batch
     /// without an even step.
-    pub fn push(&mut self, batch: &Batch<'_>) -> Result<(), Error> {
-        let columns = [batch.reference_nt, batch.test_nt].concat();
-        let expected = batch.time_s.len();
+    fn push(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
+        let (times, columns) = (columns[0], &columns[1..]);
+        let expected = times.len();
         if let Some(odd) = columns.iter().find(|column| column.len() != expected) {
             return Err(Fault::Lengths { found: odd.len(), expected }.into());
         }
         if expected == 0 {
             return Ok(());
         }
-        let (grid, mut partial) = match self.begun.take() {
-            Some(begun) => begun,
-            None => {
-                rising(batch.time_s)?;
-                let grid = Grid::found(batch.time_s)?;
-                (grid, Partial::on(grid))
+        let (grid, mut partial) = match (self.begun.take(), self.step_s) {
+            (Some(begun), _) => begun,
+            (None, Some(step_s)) => Partial::on(Grid::of(step_s, times[0])?),
+            (None, None) => {
+                rising(times)?;
+                Partial::on(Grid::found(times)?)
             }
         };
         let mut at = 0;
         let mut taken = Ok(());
         while at < expected && taken.is_ok() {
-            let run = self.take_run((grid, &mut partial), &batch.time_s[at..], &columns, at);
+            let run = self.take_run((grid, &mut partial), &times[at..], columns, at);
             at += run;
             if run == 0 {
                 let readings = std::array::from_fn(|i| columns[i][at]);
-                taken = self.take((grid, &mut partial), batch.time_s[at], readings);
+                taken = self.take((grid, &mut partial), times[at], readings);
                 at += 1;
             }
         }
@@ -110,6 +98,17 @@ impl Statistics {
         taken
     }
 
+    fn finish(mut self) -> Result<Partial, Error> {
+        let Some(((_, mut partial), last)) = self.begun.take().zip(self.last) else {
+            return Ok(Partial::default());
+        };
+        self.close(&mut partial, last + 1);
+        partial.covered = Covered::of(self.first, last);
+        Ok(partial)
+    }
+}
+
+impl Statistics {
     /// Takes the whole samples at the next places of the leaf, one after the other; gives how many.
     fn take_run(
         &mut self,
@@ -137,7 +136,6 @@ impl Statistics {
         run
     }
 
-    /// Takes one row.
     fn take(
         &mut self,
         (grid, partial): (Grid, &mut Partial),
@@ -185,9 +183,7 @@ impl Statistics {
     fn close(&mut self, partial: &mut Partial, end: i64) {
         let start = self.first;
         let readings = self.readings.each_ref().map(|column| column.as_slice());
-        let mut columns = vec![self.places.as_slice()];
-        columns.extend(readings);
-        partial.factor.push(&columns);
+        partial.factor.push(&[&[self.places.as_slice()], &readings[..]].concat());
         let size = TILE as i64;
         let mut at = 0;
         for tile in self.leaf * (LEAF / TILE) as i64..(self.leaf + 1) * (LEAF / TILE) as i64 {
@@ -213,16 +209,6 @@ impl Statistics {
         }
         self.places.clear();
         self.readings.iter_mut().for_each(Vec::clear);
-    }
-
-    /// The piece.
-    pub fn finish(mut self) -> Partial {
-        let Some(((_, mut partial), last)) = self.begun.take().zip(self.last) else {
-            return Partial::default();
-        };
-        self.close(&mut partial, last + 1);
-        partial.covered = Covered::of(self.first, last);
-        partial
     }
 }
 

@@ -12,8 +12,7 @@ use common::{
 
 use crate::reference_noise;
 use paired::events::CONFIRMED;
-use paired::significance::p_of;
-use paired::{TOLD_BELOW, delays, segments};
+use paired::{TOLD_BELOW, p_of};
 
 /// Spectra that agree worse than this by chance are not of the form that is fitted.
 const UNLIKE_BELOW: f64 = 1e-3;
@@ -121,7 +120,6 @@ fn undecided(fit: &DifferentialFit) -> impl Iterator<Item = Finding> {
     })
 }
 
-/// The drifts that the readings demand.
 pub fn drifts(fit: &DifferentialFit) -> Option<String> {
     let one = |(axis, of): (Axis, &DifferenceAxis)| drift(&of.drift).map(|words| format!("{axis} {words}"));
     let all: Vec<String> = fit.axes.iter().filter_map(one).collect();
@@ -193,7 +191,6 @@ fn largest<'a>(events: impl Iterator<Item = &'a KeptOutEvent>) -> Option<String>
     ))
 }
 
-/// Periods on which the matrix does not rest.
 pub fn short_periods(fit: &DifferentialFit) -> Option<String> {
     let mut all: Vec<(String, Vec<&str>)> = Vec::new();
     for (axis, of) in fit.axes.iter() {
@@ -237,22 +234,18 @@ pub fn findings(fit: &DifferentialFit, wider: &[f64; 3]) -> Findings {
     }
     findings.extend(undecided(fit));
     if let Some(clock) = &fit.clock {
-        findings.extend(segments::findings(clock));
-        findings.extend(delays::findings(clock));
-        if clock.corrected {
-            findings.push(
-                Code::TimesShifted.said("the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band"),
-            );
-        }
+        findings.extend(paired::findings(clock));
+        let shifted = "the readings of the test instrument were shifted in time by a filter, which attenuates white noise near half the sampling rate; the noise is estimated below that band";
+        findings.extend(clock.corrected.then(|| Code::TimesShifted.said(shifted)));
     }
     if fit.kept_out.events.iter().any(|event| event.instrument == EventInstrument::Either) {
         let words = "some events cannot be assigned to one instrument: the axes are too nearly parallel";
         findings.push(Code::EventsUnassigned.said(words));
     }
     if fit.kept_out.more {
-        findings.push(Code::TooManyEvents.said(
-            "there are more steps and spikes than the search allows: the noise is not of the fitted form",
-        ));
+        let words =
+            "there are more steps and spikes than the search allows: the noise is not of the fitted form";
+        findings.push(Code::TooManyEvents.said(words));
     }
     if fit.missing > 0 {
         findings.push(Code::MissingSamples.said(format!(
@@ -325,11 +318,9 @@ pub fn summary(document: &Document) -> String {
         bare(fit.step_s)
     ));
     for axis in Axis::ALL {
-        let row: Vec<String> = Axis::ALL
-            .iter()
-            .filter_map(|from| fit.elements.get(&format!("{from}{axis}")))
-            .map(|element| signed(&uncertain(element.weighted, element.weighted_std)))
-            .collect();
+        let elements = Axis::ALL.iter().filter_map(|from| fit.elements.get(&format!("{from}{axis}")));
+        let row = elements.map(|element| signed(&uncertain(element.weighted, element.weighted_std)));
+        let row: Vec<String> = row.collect();
         lines.push(format!("  test {axis} from the reference's x, y, z: {}", row.join(", ")));
     }
     for (axis, of) in fit.axes.iter() {
@@ -383,12 +374,9 @@ fn mutual(fourteen: &FourteenParameters) -> [String; 4] {
             format!("{name} {degrees}° ± {}″", figures(angle.std_arcsec, 2))
         })
         .collect();
-    let ratios: Vec<String> = fourteen
-        .ratios
-        .iter()
-        .filter(|(_, ratio)| ratio.std() != Some(0.0))
-        .map(|(name, ratio)| format!("{} {ratio}", name.replace('_', "/")))
-        .collect();
+    let ratios = fourteen.ratios.iter().filter(|(_, ratio)| ratio.std() != Some(0.0));
+    let ratios = ratios.map(|(name, ratio)| format!("{} {ratio}", name.replace('_', "/")));
+    let ratios: Vec<String> = ratios.collect();
     let (whose, own) = match fourteen.known {
         Magnetometer::Reference => ("test instrument", &fourteen.test_non_orthogonality_arcsec),
         Magnetometer::Test => ("reference", &fourteen.reference_non_orthogonality_arcsec),

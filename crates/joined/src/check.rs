@@ -9,7 +9,7 @@ use crate::{Error, Result};
 /// Two columns that are alike to this share of their changes are one.
 pub const ALIKE: f64 = 1e-12;
 /// The test instrument's changes over the reference's; beyond, they are in other units.
-pub const UNITS: f64 = 20.0;
+const UNITS: f64 = 20.0;
 /// A share of its changes: what a third axis must have beside the other two.
 const OUT_OF_PLANE: f64 = 1e-7;
 /// What is said where it has not.
@@ -55,12 +55,15 @@ pub fn check(paths: [&String; 2], reference: &[Column; 3], test: &[Column; 3]) -
     let size =
         |columns: &[Column; 3]| columns.iter().map(|column| spread(column).powi(2)).sum::<f64>().sqrt();
     let ratio = size(test) / size(reference);
-    if !(1.0 / UNITS..=UNITS).contains(&ratio) {
-        let found = format!("changes {} times those of the reference", significant(ratio, 3));
-        let expected = "readings of both instruments in nT; are those of one in V, or in µT?";
-        return Err(Error::document(format!("{path}.columns.test_x_nt"), found, expected));
-    }
-    Ok(())
+    let Some((found, expected)) = other_units(ratio) else { return Ok(()) };
+    Err(Error::document(format!("{path}.columns.test_x_nt"), found, expected))
+}
+
+/// What is found and what is expected where the test instrument's changes are so many times the reference's.
+pub fn other_units(ratio: f64) -> Option<(String, &'static str)> {
+    let found = || format!("changes {} times those of the reference", significant(ratio, 3));
+    let expected = "readings of both instruments in nT; are those of one in V, or in µT?";
+    (!(1.0 / UNITS..=UNITS).contains(&ratio)).then(|| (found(), expected))
 }
 
 /// Whether a column follows from two others.

@@ -9,7 +9,6 @@ use std::ops::Range;
 use super::Instrument;
 use super::piece::{Jump, SAME_RATE};
 
-/// Even times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     pub start_s: f64,
@@ -56,13 +55,11 @@ impl Grid {
         self.start_s + row as f64 * self.step_s
     }
 
-    /// The rows in which all instruments read.
     pub fn whole(&self, reads: &[OnGrid]) -> Vec<bool> {
         let all = |row: usize| reads.iter().flat_map(|read| &read.columns).all(|one| one[row].is_finite());
         (0..self.rows).map(all).collect()
     }
 
-    /// An instrument's readings at these times.
     pub fn read(&self, instrument: &Instrument) -> OnGrid {
         let at: Vec<f64> = (0..self.rows).map(|row| self.time_s(row)).collect();
         let nothing = Column::from(vec![f64::NAN; self.rows]);

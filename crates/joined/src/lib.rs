@@ -24,7 +24,7 @@ mod piece;
 mod reading;
 
 pub use beside::beside;
-pub use check::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
+pub use check::{ALIKE, IN_A_PLANE, in_a_plane, other_units};
 pub use common::Error;
 pub use gather::{Gathered, gathered};
 pub use grid::{Boundary, Segment};
@@ -36,10 +36,10 @@ pub use reading::{Onto, Reading, Way, onto, read_at, usual_step_s};
 
 type Result<T, E = Error> = std::result::Result<T, E>;
 
-const DAY_S: f64 = 86_400.0;
+/// Seconds in a day.
+pub const DAY_S: f64 = 86_400.0;
 /// Fewer samples than these say nothing.
 const LEAST: usize = 5;
-/// Where no recording is for this.
 const NOTHING: &str = "no recording with the procedure `differential`; diffmag needs `reference_x_nt`, … and `test_x_nt`, … of two magnetometers side by side";
 /// Names of the instruments, as their columns begin.
 const NAMES: [&str; 3] = ["reference", "test", "third"];
@@ -47,7 +47,6 @@ const NAMES: [&str; 3] = ["reference", "test", "third"];
 /// most of what is fitted.
 const WHOLE: usize = 2;
 
-/// What one instrument recorded.
 struct Instrument {
     name: &'static str,
     /// In the order of time, without overlap.
@@ -103,7 +102,7 @@ impl Instrument {
 }
 
 /// The instruments at the same moments.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Pair {
     /// Ids of the recordings.
     pub recordings: Vec<String>,
@@ -124,8 +123,9 @@ pub struct Pair {
     /// Where an instrument went through a filter: above this frequency the difference is not what was
     /// recorded, Hz.
     pub highest_hz: Option<f64>,
-    /// First rows after the steps that are to be fitted to each test axis.
-    pub steps: Vec<Vec<usize>>,
+    /// First rows after the steps that are to be fitted to each test axis, with the standard uncertainties of the
+    /// sizes that were taken off in their places, nT.
+    pub steps: Vec<Vec<(usize, f64)>>,
     /// Rows between jumps of one instrument's times.
     pub segments: Vec<Segment>,
     /// Where times jump.
@@ -133,8 +133,6 @@ pub struct Pair {
     /// Where the times of one instrument leave rows out, or go on in another recording: a clock may have been
     /// set there.
     pub pauses: Vec<Boundary>,
-    /// Standard uncertainties of the sizes that were taken off in their places, nT.
-    pub step_stds: Vec<Vec<f64>>,
     /// What was done to bring them together, in words.
     pub told: Vec<Finding>,
 }
@@ -148,6 +146,11 @@ impl Pair {
     /// Time of a row, s.
     pub fn time_s(&self, row: usize) -> f64 {
         self.first_s + row as f64 * self.step_s
+    }
+
+    /// Times of all rows, s.
+    pub fn times_s(&self) -> Vec<f64> {
+        (0..self.whole.len()).map(|row| self.time_s(row)).collect()
     }
 
     /// Time from the middle of the recording, s.
@@ -179,34 +182,23 @@ impl Pair {
         self.segments = grid::segments(self.whole.len(), &self.boundaries);
     }
 
-    /// Some of its rows, as one segment.
+    /// Some rows of reference and test instrument, as one segment.
     pub fn part(&self, rows: std::ops::Range<usize>) -> Self {
         let some = |column: &Column| Column::from(column[rows.clone()].to_vec());
-        let cut = |columns: &[Column; 3]| columns.each_ref().map(some);
-        let inside = |step: &usize| *step > rows.start && *step < rows.end;
-        let steps = self
-            .steps
-            .iter()
-            .map(|steps| steps.iter().filter(|step| inside(step)).map(|step| step - rows.start).collect());
-        let step_stds = self.steps.iter().zip(&self.step_stds).map(|(steps, stds)| {
-            steps.iter().zip(stds).filter(|(step, _)| inside(step)).map(|(_, std)| *std).collect()
-        });
+        let steps = |steps: &Vec<(usize, f64)>| {
+            let inside = steps.iter().filter(|(step, _)| *step > rows.start && *step < rows.end);
+            inside.map(|(step, std)| (step - rows.start, *std)).collect()
+        };
         Self {
-            recordings: self.recordings.clone(),
             first_s: self.time_s(rows.start),
             step_s: self.step_s,
-            reference: cut(&self.reference),
+            reference: self.reference.each_ref().map(some),
             test: self.test.iter().map(some).collect(),
-            third: self.third.as_ref().map(cut),
-            reference_noise: self.reference_noise.clone(),
             whole: self.whole[rows.clone()].to_vec(),
             highest_hz: self.highest_hz,
-            steps: steps.collect(),
-            step_stds: step_stds.collect(),
-            segments: vec![Segment { rows: 0..rows.len(), late_s: 0.0 }],
-            boundaries: Vec::new(),
-            pauses: Vec::new(),
-            told: Vec::new(),
+            steps: self.steps.iter().map(steps).collect(),
+            segments: grid::segments(rows.len(), &[]),
+            ..Self::default()
         }
     }
 
@@ -225,7 +217,7 @@ impl Pair {
         let rows = self.whole.len();
         self.steps[axis]
             .iter()
-            .map(move |step| (0..rows).map(|row| if row < *step { 0.0 } else { 1.0 }).collect())
+            .map(move |(step, _)| (0..rows).map(|row| if row < *step { 0.0 } else { 1.0 }).collect())
     }
 
     /// Puts the rows that are not whole onto straight lines, all columns alike.
@@ -372,7 +364,6 @@ fn order(instrument: &mut Instrument) -> Result<()> {
     Ok(())
 }
 
-/// The instruments on one grid.
 fn join(found: &[(usize, &Recording)], [reference, test, third]: &[Instrument; 3]) -> Result<Pair> {
     let path = &test.pieces[0].path;
     let grid = Grid::of(reference, test).ok_or_else(|| reference.apart_from(test))?;
@@ -422,7 +413,6 @@ fn join(found: &[(usize, &Recording)], [reference, test, third]: &[Instrument; 3
         pauses,
         whole,
         steps: vec![Vec::new(); 3],
-        step_stds: vec![Vec::new(); 3],
         told,
     };
     pair.bridge();

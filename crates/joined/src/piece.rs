@@ -29,7 +29,6 @@ pub struct Read {
 
 /// One instrument in one recording, its times made even.
 pub struct Piece {
-    /// JSON path of the recording.
     pub path: String,
     pub id: String,
     pub start_s: f64,
@@ -92,17 +91,14 @@ pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<V
     let Some(cadence) = Cadence::of(time) else {
         return Ok(vec![place(time, columns, path, id)?]);
     };
-    if cadence.jumps.is_empty() {
-        let pauses = pauses(time, 0, cadence.step_s, id);
-        return Ok(vec![Piece { pauses, ..place(time, columns, path, id)? }]);
-    }
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
-        let columns = columns.iter().map(|column| column[rows.clone()].to_vec().into()).collect();
-        let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]);
-        let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, id);
-        let piece = place(&time[rows], columns, path, id)?;
-        let jump = jump.map(|jump| Jump {
+        // Columns that are not cut stay the recording's own.
+        let some = |column: &Column| match rows.len() == time.len() {
+            true => column.clone(),
+            false => column[rows.clone()].to_vec().into(),
+        };
+        let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]).map(|jump| Jump {
             recording: id.to_owned(),
             row: jump.row,
             at_s: time[jump.row],
@@ -110,6 +106,8 @@ pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<V
             std_s: jump.std_s,
             all_s: jump.interval_s - cadence.step_s,
         });
+        let pauses = pauses(&time[rows.clone()], rows.start, cadence.step_s, id);
+        let piece = place(&time[rows.clone()], columns.iter().map(some).collect(), path, id)?;
         pieces.push(Piece { jump, pauses, ..piece });
     }
     Ok(pieces)
@@ -124,10 +122,7 @@ fn pauses(time: &[f64], first: usize, step_s: f64, id: &str) -> Vec<Jump> {
 }
 
 /// Rows at their places on an even grid; rows that were never written are missing there.
-///
-/// # Errors
-///
-/// Times with a gap so long that hardly any row of the grid would be a recorded one: a clock that was set.
+/// Refused: times with a gap so long that hardly any row of the grid would be a recorded one: a clock that was set.
 fn place(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<Piece> {
     let Some(places) = Places::of(time) else {
         let expected = "at least two times that rise";
@@ -216,13 +211,8 @@ impl Jump {
 mod tests {
     use super::*;
 
-    /// A straight line in three columns.
     fn columns(time: &[f64]) -> Vec<Column> {
         vec![time.iter().map(|t| 5.0 + 0.5 * t).collect(); 3]
-    }
-
-    fn placed(time: &[f64]) -> Piece {
-        place(time, columns(time), "recordings[0]", "it").expect("placed")
     }
 
     fn pieces(time: &[f64]) -> Vec<Piece> {
@@ -236,30 +226,6 @@ mod tests {
         let said = "recordings[0].columns.time_s[20]: found 19680 days from row 19 to row 20";
         let refused = refused.err().expect("refused").to_string();
         assert!(refused.starts_with(said), "{refused}");
-    }
-
-    #[test]
-    fn rows_that_were_never_written_are_missing() {
-        let piece = placed(&[0.0, 1.0, 2.0, 5.0, 6.0, 7.0]);
-        assert!((piece.step_s - 1.0).abs() < 1e-12 && piece.told.is_none());
-        assert_eq!(
-            piece.columns[0].iter().map(|v| v.is_nan()).collect::<Vec<_>>()[2..6],
-            [false, true, true, false]
-        );
-        // A slow drift of the stamps against their nominal step is no scatter.
-        let time: Vec<f64> = (0..5000).map(|k| 1.0003 * f64::from(k)).collect();
-        assert!(placed(&time).told.is_none());
-    }
-
-    #[test]
-    fn uneven_times_are_interpolated() {
-        let time: Vec<f64> = (0..60).map(|k| f64::from(k) + 0.45 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
-        let piece = placed(&time);
-        assert!(piece.told.is_some());
-        for (row, value) in piece.columns[0].iter().enumerate() {
-            let t = piece.start_s + row as f64 * piece.step_s;
-            assert!((value - 5.0 - 0.5 * t).abs() < 1e-9, "a straight line stays one");
-        }
     }
 
     #[test]

@@ -41,10 +41,7 @@ pub fn usual_step_s(time: &[f64]) -> Option<f64> {
 /// Values of a recording at rising `time`, read at rising times `at` that are `step_s` apart. A series that
 /// is no slower than `at` is cut where its times jump and read band-limited, so that nothing folds, after it
 /// was made even where it is not; a slower one by cubic pieces.
-///
-/// # Errors
-///
-/// Times with a gap so long that hardly any row of an even grid would be a recorded one.
+/// Refused: times with a gap so long that hardly any row of an even grid would be a recorded one.
 pub fn read_at(
     recording: (&str, &str),
     time: &[f64],
@@ -82,15 +79,14 @@ pub fn read_at(
 /// Values where each time within the series is one of it.
 fn same(time: &[f64], values: &[f64], at: &[f64]) -> Option<Vec<f64>> {
     let (first, last) = (time[0] - SAME_S, time[time.len() - 1] + SAME_S);
-    at.iter()
-        .map(|t| {
-            if *t < first || *t > last {
-                return Some(f64::NAN);
-            }
-            let place = time.partition_point(|own| own + SAME_S < *t);
-            time.get(place).filter(|own| (*own - t).abs() <= SAME_S).map(|_| values[place])
-        })
-        .collect()
+    let of = |t: &f64| {
+        if *t < first || *t > last {
+            return Some(f64::NAN);
+        }
+        let place = time.partition_point(|own| own + SAME_S < *t);
+        time.get(place).filter(|own| (*own - t).abs() <= SAME_S).map(|_| values[place])
+    };
+    at.iter().map(of).collect()
 }
 
 /// Columns of a recording at the times of another.
@@ -108,10 +104,7 @@ pub struct Onto {
 
 /// The columns of the second of two recordings (each with its place in the document) that are `wanted`, at
 /// times of the clock of the first.
-///
-/// # Errors
-///
-/// Recordings of which one says when it began and the other does not; times that are none.
+/// Refused: recordings of which one says when it began and the other does not; times that are none.
 pub fn onto(
     base: (usize, &Recording),
     other: (usize, &Recording),

@@ -4,7 +4,7 @@
 use explain::{Course, Problem, Term, sampled};
 use std::f64::consts::TAU;
 
-use crate::problem::along;
+use crate::look::turned;
 
 /// Steps so near, as a share of the length, are one.
 const NEAR: f64 = 0.01;
@@ -66,14 +66,13 @@ impl Sensors {
             let shows = answer.iter().map(|slope| vec![-slope]).collect();
             return Self { fields: components.into(), late: late.to_vec(), shows };
         }
-        let of = |columns: &[Vec<f64>; 3]| answers.iter().map(|answer| along(columns, answer)).collect();
+        let of = |columns: &[Vec<f64>; 3]| answers.iter().map(|answer| turned(columns, answer)).collect();
         let own = |sensor: usize| {
             (0..answers.len()).map(|channel| f64::from(u8::from(channel == sensor))).collect()
         };
         Self { fields: of(&components), late: of(late), shows: (0..answers.len()).map(own).collect() }
     }
 
-    /// The same at some rows.
     pub fn at(&self, rows: &[usize]) -> Self {
         let of = |columns: &[Vec<f64>]| {
             columns.iter().map(|column| rows.iter().map(|row| column[*row]).collect()).collect()
@@ -81,7 +80,6 @@ impl Sensors {
         Self { fields: of(&self.fields), late: of(&self.late), shows: self.shows.clone() }
     }
 
-    /// How many there are.
     pub fn count(&self) -> usize {
         self.fields.len()
     }
@@ -204,7 +202,6 @@ pub fn coarse(along: &[f64], width: f64) -> Vec<f64> {
     along.iter().map(|x| width * (x / width).round() - x).collect()
 }
 
-/// From the least to the largest.
 pub fn range(of: &[f64]) -> f64 {
     let ends =
         of.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));

@@ -15,17 +15,14 @@ use estimate::spectrum::Spectrum;
 use crate::look::Look;
 use crate::prepare::Prepared;
 use crate::{Error, TOLD_BELOW};
-use average::Band;
 use axis::{Heard, OfAxis, OfBand, Seen};
+use forms::Band;
 use joined::Pair;
 use offset::{Offset, mean, scatter};
-pub use words::findings;
 
-mod average;
 mod axis;
 mod forms;
 mod offset;
-mod words;
 
 /// Rows of a part, and how many parts there are at least and at most.
 const ROWS: [usize; 2] = [256, 64];
@@ -60,7 +57,7 @@ pub fn judge(raw: &Pair, prepared: &mut Prepared) -> Result<(), Error> {
     let (octaves, rows) = (octaves(pair, &look), rows_of_parts(pair));
     // One axis after the other: each is many times as large as the readings.
     let axes: Vec<OfAxis<'_>> =
-        (0..look.axes.len()).map(|axis| OfAxis::of(&pairs, &look, axis, aside_s)).collect();
+        (0..look.axes.len()).map(|axis| OfAxis { pairs: &pairs, look: &look, axis, aside_s }).collect();
     let (mut everywhere, mut of_bands, mut field) = (Vec::new(), Vec::new(), Vec::new());
     for axis in &axes {
         everywhere.push(axis.whole(&Heard::default())?);
@@ -78,7 +75,7 @@ pub fn judge(raw: &Pair, prepared: &mut Prepared) -> Result<(), Error> {
     }
     let of_parts: Vec<Offset> = of_parts.iter().filter_map(|known| mean(known)).collect();
     let follows = follows(&everywhere);
-    let (shift_s, shift_ppm) = prepared.moved_by();
+    let (shift_s, shift_ppm) = (prepared.shift.offset_s, 1e6 * prepared.shift.rate);
     if let Some(clock) = &mut prepared.clock {
         clock.rate_ppm = over(&clock.rate_ppm, shift_ppm, follows);
         clock.offset_s = match delay(&within).or_else(|| delay(&everywhere)) {

@@ -9,28 +9,13 @@ mod step;
 mod view;
 
 pub use found::{CONFIRMED, Events, FoundEvent};
+pub(crate) use search::{search, standing};
 pub use step::lasting;
 
 use estimate::events::{Search, Shape, fill};
 
 use crate::Error;
-use crate::look::Look;
 use crate::noise::Noise;
-use joined::Pair;
-
-/// The events of what a look leaves of a pair whose instruments are at the same moments; of that pair no
-/// readings are needed any more. The search begins with those that are `known`.
-pub fn search(left: Vec<Vec<f64>>, pair: &Pair, look: &Look, known: &Events) -> Result<Events, Error> {
-    let eta = look.axes.iter().map(|axis| axis.eta).collect();
-    let noise = look.axes.iter().map(|axis| axis.noise.clone()).collect();
-    search::search(left, eta, pair, noise, known)
-}
-
-/// Those of these events that are disturbances, or steps that last in what a look beside them leaves.
-pub fn standing(left: Vec<Vec<f64>>, pair: &Pair, look: &Look, found: &Events) -> Events {
-    let eta = look.axes.iter().map(|axis| axis.eta).collect();
-    search::standing_of(left, eta, pair, found)
-}
 
 /// Whether in rows that are out a difference is off what stands around them: by [`CONFIRMED`] uncertainties
 /// of a single reading.

@@ -41,18 +41,11 @@ impl Follows {
         Self { name: covariate.name.clone(), form, p: (-gain).exp().min(1.0), columns, at, taken }
     }
 
-    /// Whether it is the same column in the same form.
-    pub fn same(&self, other: &Self) -> bool {
-        self.name == other.name && self.form == other.form
-    }
-
     /// A pair with so many times what was taken off for this column.
     pub fn added(&self, pair: &Pair, times: f64) -> Pair {
         let mut pair = pair.clone();
         for (test, taken) in pair.test.iter_mut().zip(&self.taken) {
-            for (column, size) in self.columns.iter().zip(taken) {
-                test.iter_mut().zip(column).for_each(|(test, value)| *test += times * size * value);
-            }
+            add(test, self.columns.iter().zip(taken.iter().map(|size| times * size)));
         }
         pair
     }
@@ -84,5 +77,12 @@ impl Follows {
             p: self.p,
             ..Followed::default()
         }
+    }
+}
+
+/// Adds columns times their sizes to readings.
+pub(crate) fn add<'a>(readings: &mut [f64], columns: impl Iterator<Item = (&'a Vec<f64>, f64)>) {
+    for (column, size) in columns {
+        readings.iter_mut().zip(column).for_each(|(reading, value)| *reading += size * value);
     }
 }

@@ -8,10 +8,10 @@ use std::mem::discriminant;
 use crate::Error;
 use crate::courses::{Acting, Given, Sensors, are_one_step};
 use crate::events::{Events, FoundEvent};
-use crate::followed::Follows;
+use crate::followed::{Follows, add};
 use crate::look::Shift;
 use crate::prepare::{Prepared, coarse_shift, prepare};
-use crate::problem::{Known, problem, squares};
+use crate::problem::{problem, squares};
 use crate::striking::striking;
 use crate::{delays, held_out, pauses, segments};
 
@@ -65,9 +65,7 @@ pub struct Asked {
 /// How late the test instrument's clock is.
 #[derive(Clone, Debug)]
 pub struct Clock {
-    /// In the middle of the recording, s.
-    pub offset_s: Quantity,
-    /// How fast that grows, s/s; absent where nothing shows it.
+    /// How fast its offset grows, s/s; absent where nothing shows it.
     pub rate: Option<Quantity>,
     /// ln of the odds against equal clocks.
     pub gain: f64,
@@ -109,29 +107,20 @@ struct Weighed {
 }
 
 impl Weighed {
-    fn of(of: &Found, known: Known<'_>, told: &dyn Fn(&str)) -> Result<Self, Error> {
-        let (mut problem, sensors, rows) = problem(&of.recorded, &of.covariates, known);
+    fn of(of: &Found, disturbed: &Events, told: &dyn Fn(&str)) -> Result<Self, Error> {
+        let shift = of.prepared.shift;
+        let (mut problem, sensors, rows) = problem(&of.recorded, &of.covariates, (disturbed, shift));
         if rows.len() < LEAST {
             return Err(estimate::Error::TooFew { found: rows.len(), unknowns: LEAST }.into());
         }
         let left: Vec<Vec<f64>> =
             of.left.iter().map(|left| rows.iter().map(|row| left[*row]).collect()).collect();
-        let courses = of
-            .acting
-            .iter()
-            .map(|(acting, looks)| acting.course((&problem, &sensors), &left, &of.given, *looks));
-        problem.courses = courses.collect();
+        let course =
+            |(acting, looks): &(Acting, f64)| acting.course((&problem, &sensors), &left, &of.given, *looks);
+        problem.courses = of.acting.iter().map(course).collect();
         let explained = explain(&problem, told)?;
-        let acting = of.acting.clone();
-        Ok(Self {
-            disturbed: known.disturbed.clone(),
-            shift: known.shift,
-            explained,
-            problem,
-            sensors,
-            acting,
-            rows,
-        })
+        let (disturbed, acting) = (disturbed.clone(), of.acting.clone());
+        Ok(Self { disturbed, shift, explained, problem, sensors, acting, rows })
     }
 
     /// The causes in their forms.
@@ -151,7 +140,7 @@ impl Weighed {
     /// What courses contribute to each channel is added so many times to a pair; steps stay to be found by the search for
     /// events.
     fn add_courses(&self, pair: &mut Pair, times: f64) {
-        let time_s: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
+        let time_s = pair.times_s();
         for (one, channels) in self.explained.causes.iter().zip(&self.explained.contributions) {
             let Cause::Course(number) = one.cause else { continue };
             if let Acting::Step(_) = self.acting[number].0 {
@@ -159,11 +148,9 @@ impl Weighed {
             }
             // What is known at any time, also in rows that were left out.
             if let Some(columns) = self.acting[number].0.of_time(&time_s) {
-                for (test, sizes) in pair.test.iter_mut().zip(&one.channels) {
-                    for (column, size) in columns.iter().zip(sizes) {
-                        let add = |(test, value): (&mut f64, &f64)| *test += times * size.value() * value;
-                        test.iter_mut().zip(column).for_each(add);
-                    }
+                let sizes = one.channels.iter().map(|of| of.iter().map(|size| times * size.value()));
+                for (test, sizes) in pair.test.iter_mut().zip(sizes) {
+                    add(test, columns.iter().zip(sizes));
                 }
                 continue;
             }
@@ -175,7 +162,7 @@ impl Weighed {
     }
 
     fn follows(&self, pair: &Pair, covariates: &[Covariate]) -> Vec<Follows> {
-        let time_s: Vec<f64> = (0..pair.whole.len()).map(|row| pair.time_s(row)).collect();
+        let time_s = pair.times_s();
         let named = self.explained.causes.iter().zip(&self.explained.gains);
         let follows = named.filter_map(|(one, gain)| match one.cause {
             Cause::Covariate(number) => Some(Follows::of(&covariates[number], &time_s, one, *gain)),
@@ -187,10 +174,7 @@ impl Weighed {
 
 /// Finds what a pair follows of what was recorded beside it, its clocks and its events; `told` hears what is being
 /// done.
-///
-/// # Errors
-///
-/// Readings that a fit cannot use.
+/// Refused: readings that a fit cannot use.
 pub fn find(recorded: &Pair, asked: Asked, told: &dyn Fn(&str)) -> Result<Found, Error> {
     let sensors = 0..if asked.unrecorded { 3 } else { 0 };
     let acting = sensors.map(Acting::Late).chain((0..asked.given.len()).map(Acting::Given));
@@ -244,15 +228,13 @@ impl Found {
     /// Weighs the columns with what is known of clocks and events; whether that was not done before.
     fn weigh(&mut self, told: &dyn Fn(&str)) -> Result<bool, Error> {
         let disturbed = self.prepared.events.disturbances();
-        let shift = self.prepared.shift;
         let stepped = self.try_steps();
         let same = |last: &Weighed| last.disturbed.same(&disturbed) && self.prepared.is_near(last.shift);
         if !stepped && self.last.as_ref().is_some_and(same) {
             return Ok(false);
         }
         told("weighing what was recorded beside");
-        let known = Known { disturbed: &disturbed, shift };
-        let mut last = Weighed::of(self, known, told)?;
+        let mut last = Weighed::of(self, &disturbed, told)?;
         let mut new = Vec::new();
         for _ in 0..STRIKING {
             self.keep_what_acts(&last);
@@ -281,7 +263,7 @@ impl Found {
                 break;
             }
             self.acting.extend(new.iter().copied());
-            last = Weighed::of(self, known, told)?;
+            last = Weighed::of(self, &disturbed, told)?;
         }
         self.follows = last.follows(&self.recorded, &self.covariates);
         self.last = Some(last);
@@ -330,12 +312,12 @@ impl Found {
         }
         self.raw.segments.iter_mut().for_each(|segment| segment.late_s = 0.0);
         pauses::cut(&mut self.raw)?;
-        let segments = segments::find(&mut self.raw, self.prepared.shift)?;
+        let (segments, jumps) = segments::find(&mut self.raw, self.prepared.shift)?;
         (self.recorded.segments, self.recorded.boundaries) =
             (self.raw.segments.clone(), self.raw.boundaries.clone());
         self.prepared = prepare(&self.raw, self.prepared.shift, correct_clock)?;
         if let Some(clock) = &mut self.prepared.clock {
-            segments.write(clock);
+            (clock.segments, clock.jumps) = (segments, jumps);
         }
         Ok(())
     }
@@ -352,13 +334,9 @@ impl Found {
     }
 
     /// What the engine says with these clocks and events.
-    ///
-    /// # Errors
-    ///
-    /// Fewer whole rows than a fit needs.
+    /// Refused: fewer whole rows than a fit needs.
     pub fn explained(mut self, told: &dyn Fn(&str)) -> Result<Explanation, Error> {
-        let as_recorded = Known { disturbed: &Events::default(), shift: Shift::default() };
-        let unmoved = problem(&self.recorded, &[], as_recorded).0;
+        let unmoved = problem(&self.recorded, &[], (&Events::default(), Shift::default())).0;
         let rms = |left: f64| (left / unmoved.rows() as f64).sqrt();
         let rms = squares(&unmoved).into_iter().map(rms).collect();
         self.weigh(told)?;
@@ -398,7 +376,6 @@ impl Clock {
         let gain = odds(&clock.offset_s).max(odds(&clock.rate_ppm));
         let per_second = |of: &Quantity| Quantity::new(1e-6 * of.value(), 1e-6 * of.std().unwrap_or(0.0));
         (gain > 0.0).then(|| Self {
-            offset_s: clock.offset_s.clone(),
             rate: Some(&clock.rate_ppm).filter(|rate| odds(rate) > 0.0).map(per_second),
             gain,
             difference: clock.clone(),

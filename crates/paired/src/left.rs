@@ -1,10 +1,13 @@
-//! What an explanation leaves of a channel, and what it is held against.
+//! What an explanation leaves of a channel, and what it is held against; orthonormal columns.
 
 use estimate::{Error, dot, stats};
 use explain::{Explained, Problem, filter};
 use noise::Whitening;
 
 use crate::courses::Sensors;
+
+/// A column of which the others leave less than this share of the square follows from them.
+const INDEPENDENT: f64 = 1e-12;
 
 /// What is left of a channel.
 pub struct Left<'a> {
@@ -21,10 +24,7 @@ pub struct Left<'a> {
 
 impl<'a> Left<'a> {
     /// None where it is too short for a spectrum.
-    ///
-    /// # Errors
-    ///
-    /// Times out of order.
+    /// Refused: times out of order.
     pub fn of(
         problem: &Problem,
         sensors: &Sensors,
@@ -48,4 +48,26 @@ impl<'a> Left<'a> {
         let white = self.filter.whiten(series);
         waves.each_ref().map(|wave| dot(wave, &white) / self.size)
     }
+}
+
+/// Orthonormal columns that span some.
+pub fn basis(columns: impl IntoIterator<Item = Vec<f64>>) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for mut column in columns {
+        let whole = dot(&column, &column);
+        basis.iter().for_each(|known| without(&mut column, known));
+        let square = dot(&column, &column);
+        if square > INDEPENDENT * whole {
+            let size = square.sqrt();
+            column.iter_mut().for_each(|value| *value /= size);
+            basis.push(column);
+        }
+    }
+    basis
+}
+
+/// Takes what is along a column of length one out of a series.
+pub fn without(series: &mut [f64], column: &[f64]) {
+    let part = dot(column, series);
+    series.iter_mut().zip(column).for_each(|(value, along)| *value -= part * along);
 }

@@ -20,9 +20,8 @@
 
 pub mod adopt;
 mod axes;
-mod basis;
 mod courses;
-pub mod delays;
+mod delays;
 pub mod events;
 pub mod followed;
 mod found;
@@ -36,15 +35,34 @@ mod pauses;
 pub mod prepare;
 mod problem;
 pub mod residual;
-pub mod segments;
-pub mod significance;
+mod segments;
 mod steps;
 mod striking;
+mod words;
 
 pub use common::Error;
 pub use courses::{Acting, Given, Uneven};
 pub use found::{Asked, Clock, Explanation, Found, LEAST, find};
 pub use held_out::{lateness, named, regressions};
+pub use words::findings;
+
+use common::Quantity;
+use estimate::stats::two_sided_p;
 
 /// What has a smaller probability by chance is told.
 pub const TOLD_BELOW: f64 = 0.01;
+
+/// How far a quantity is from a value, in its uncertainties.
+pub fn apart(value: f64, quantity: &Quantity) -> f64 {
+    ((quantity.value() - value) / std(quantity)).abs()
+}
+
+/// Probability of a quantity so far from zero by chance.
+pub fn p_of(quantity: &Quantity) -> f64 {
+    two_sided_p(quantity.value() / std(quantity), f64::INFINITY)
+}
+
+/// Nothing is known of a quantity without an uncertainty.
+fn std(quantity: &Quantity) -> f64 {
+    quantity.std().unwrap_or(f64::INFINITY)
+}

@@ -12,8 +12,8 @@ use faer::Mat;
 use crate::noise::Noise;
 use crate::residual::rest;
 use crate::{Error, TOLD_BELOW, axes};
-pub use columns::seen_rate;
-use columns::{beside, clock_columns, rate, turned};
+use columns::{beside, clock_columns, rate};
+pub(crate) use columns::{seen_rate, turned};
 use joined::Pair;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -35,12 +35,11 @@ pub struct Shift {
 
 impl Shift {
     /// At a time from the middle of a segment on the test instrument's clock, s.
-    pub fn at(&self, from_middle_s: f64) -> f64 {
+    fn at(&self, from_middle_s: f64) -> f64 {
         self.offset_s + self.rate * from_middle_s
     }
 
-    /// None.
-    pub fn is_none(&self) -> bool {
+    pub(crate) fn is_none(&self) -> bool {
         *self == Self::default()
     }
 }
@@ -56,12 +55,12 @@ pub enum Moved {
 }
 
 /// How late the test instrument's times are in a row, s.
-pub fn late_s(pair: &Pair, shift: Shift, row: usize) -> f64 {
+pub(crate) fn late_s(pair: &Pair, shift: Shift, row: usize) -> f64 {
     pair.segment(row).late_s + shift.at(pair.since_middle_of_segment_s(row))
 }
 
 /// Whether any row is to be moved.
-pub fn moves(pair: &Pair, shift: Shift) -> bool {
+pub(crate) fn moves(pair: &Pair, shift: Shift) -> bool {
     !shift.is_none() || pair.segments.iter().any(|segment| segment.late_s != 0.0)
 }
 
@@ -73,25 +72,19 @@ pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
     if !moves(&pair, shift) {
         return pair;
     }
-    let places: Vec<f64> = (0..pair.whole.len())
-        .map(|row| {
-            let late = late_s(&pair, shift, row);
-            let by = match moved {
-                Moved::Reference => -late,
-                Moved::Test => late + shift.rate * late,
-            };
-            row as f64 + by / pair.step_s
-        })
-        .collect();
+    let place = |row: usize| {
+        let late = late_s(&pair, shift, row);
+        let by = if moved == Moved::Test { late + shift.rate * late } else { -late };
+        row as f64 + by / pair.step_s
+    };
+    let places: Vec<f64> = (0..pair.whole.len()).map(place).collect();
     if moved == Moved::Test {
-        for axis in 0..pair.steps.len() {
-            for number in 0..pair.steps[axis].len() {
-                let row = pair.steps[axis][number];
-                let late = late_s(&pair, shift, row) / pair.step_s;
-                pair.steps[axis][number] =
-                    (row as f64 - late).round().clamp(1.0, places.len() as f64 - 1.0) as usize;
-            }
+        let mut steps = std::mem::take(&mut pair.steps);
+        for (row, _) in steps.iter_mut().flatten() {
+            let late = late_s(&pair, shift, *row) / pair.step_s;
+            *row = (*row as f64 - late).round().clamp(1.0, places.len() as f64 - 1.0) as usize;
         }
+        pair.steps = steps;
     }
     let segments: Vec<Range<usize>> = pair.segments.iter().map(|segment| segment.rows.clone()).collect();
     let columns = match moved {
@@ -121,7 +114,7 @@ pub fn aligned(mut pair: Pair, shift: Shift, moved: Moved) -> Pair {
 }
 
 /// A fit of one axis with the clock's columns in it.
-pub struct LookAxis {
+pub(crate) struct LookAxis {
     /// What the reference's x, y, z give.
     pub eta: [f64; 3],
     /// Noise of what is left.
@@ -131,19 +124,8 @@ pub struct LookAxis {
     turned_by: [f64; 3],
 }
 
-/// What the clock shows in, and what it shows beside.
-pub struct Parts {
-    /// −dB/dt of the field along the axis; nothing in rows that are not whole.
-    pub late: Vec<f64>,
-    /// The field along the axis.
-    pub turned: Vec<f64>,
-    /// The test instrument's readings less what the reference, drifts and steps give.
-    pub left: Vec<f64>,
-}
-
 /// A fit of all axes, and the clock that it shows.
-pub struct Look {
-    /// The axes.
+pub(crate) struct Look {
     pub axes: Vec<LookAxis>,
     /// What is left of the clocks' difference; None where nothing says it.
     pub clock: Option<ClockDifference>,
@@ -154,7 +136,7 @@ pub struct Look {
 /// A clock that is late by δ reads the field of δ earlier: d holds −δ dB/dt, the same δ on all axes; with a
 /// rate it grows in time. So the columns of an axis are −dB/dt and −t dB/dt of the field along it, Rη; the
 /// axes' answers are put together by their information.
-pub fn look(pair: &Pair) -> Result<Look, Error> {
+pub(crate) fn look(pair: &Pair) -> Result<Look, Error> {
     let columns = Columns::of(pair);
     let found = axes::try_each(pair.test.len(), |axis| columns.one(&pair.test[axis]))?;
     let (mut information, mut right) = ([[0.0; 2]; 2], [0.0; 2]);
@@ -255,13 +237,13 @@ impl Look {
         turned(&pair.reference, &self.axes[axis].turned_by)
     }
 
-    /// Of an axis −dB/dt of the field along it, that field, and what the test instrument reads beside it and
-    /// drifts.
-    pub fn parts(&self, pair: &Pair, axis: usize) -> Parts {
+    /// Of an axis −dB/dt of the field along it (nothing in rows that are not whole), that field, and what the test
+    /// instrument reads beside it, drifts and steps.
+    pub fn parts(&self, pair: &Pair, axis: usize) -> [Vec<f64>; 3] {
         let turned = self.turned(pair, axis);
         let [late, _] = clock_columns(pair, &seen_rate(pair, &turned));
         let left = rest(beside(pair), &pair.test[axis], &self.axes[axis].coefficients[CLOCK..]);
-        Parts { late, turned, left }
+        [late, turned, left]
     }
 }
 

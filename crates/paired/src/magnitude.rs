@@ -11,7 +11,7 @@ use faer::Mat;
 use joined::{Pair, Segment};
 
 use crate::LEAST;
-use crate::residual::scatter;
+use crate::residual::centred;
 
 /// Rounds of slopes and of the bend that follows from them.
 const ROUNDS: usize = 3;
@@ -136,8 +136,7 @@ impl Readings {
 
     /// Its rms beside a level.
     fn left(&self, slopes: [f64; 3]) -> f64 {
-        let rest = self.rest(slopes);
-        scatter(&rest, &vec![true; rest.len()])
+        estimate::stats::rms(&centred(&self.rest(slopes)))
     }
 
     /// ln of the odds for slopes beside those that the calibration means, under noise of many forms.
@@ -161,10 +160,7 @@ impl Readings {
 
     /// A level and three slopes; the level alone where the readings show no slopes but those that the calibration
     /// means.
-    ///
-    /// # Errors
-    ///
-    /// Times out of order.
+    /// Refused: times out of order.
     pub fn level(&self) -> Result<Level, estimate::Error> {
         let seen = self.b.len() < LEAST || self.odds_of_slopes()? > 0.0;
         Ok(if seen { self.by_least_squares() } else { self.stated() })
@@ -209,21 +205,14 @@ impl Readings {
         }
         let [x, y, z, test] = std::array::from_fn(|i| std::mem::take(&mut columns[i]).into());
         let mut pair = Pair {
-            recordings: Vec::new(),
             first_s,
             step_s,
             reference: [x, y, z],
             test: vec![test],
-            third: None,
-            reference_noise: None,
             whole,
-            highest_hz: None,
             steps: vec![Vec::new()],
             segments: vec![Segment { rows: 0..count, late_s: 0.0 }],
-            boundaries: Vec::new(),
-            pauses: Vec::new(),
-            step_stds: vec![Vec::new()],
-            told: Vec::new(),
+            ..Pair::default()
         };
         pair.bridge();
         pair

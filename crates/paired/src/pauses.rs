@@ -9,13 +9,11 @@ use common::ClockDifference;
 
 use crate::look::Shift;
 use crate::segments::{change, common_rate, own};
-use crate::significance::p_of;
-use crate::{Error, TOLD_BELOW};
+use crate::{Error, TOLD_BELOW, p_of};
 use joined::{Boundary, Pair};
 
 /// Rows on either side, at least, up to the next pause or jump that is looked at.
 const BESIDE: usize = 512;
-/// Pauses that are looked at, the longest first.
 const MOST: usize = 16;
 
 /// Cuts the series at the pauses over which the offset changes, at one false alarm in a hundred recordings
@@ -29,10 +27,8 @@ pub fn cut(raw: &mut Pair) -> Result<(), Error> {
     bounds.extend(looked_at.iter().map(|pause| pause.row).chain([raw.whole.len()]));
     bounds.sort_unstable();
     let stretches: Vec<Range<usize>> = bounds.windows(2).map(|pair| pair[0]..pair[1]).collect();
-    let clocks: Vec<Option<ClockDifference>> = stretches
-        .iter()
-        .map(|rows| own(&raw.part(rows.clone()), Shift::default()))
-        .collect::<Result<_, _>>()?;
+    let clocks = stretches.iter().map(|rows| own(&raw.part(rows.clone()), Shift::default()));
+    let clocks: Vec<Option<ClockDifference>> = clocks.collect::<Result<_, _>>()?;
     let rate = common_rate(clocks.iter().flatten());
     let level = TOLD_BELOW / looked_at.len() as f64;
     let is_set = |pause: &&Boundary| {

@@ -4,8 +4,7 @@ use common::{ClockDifference, Quantity};
 
 use crate::events::{self, Events};
 use crate::look::{self, Look, Moved, Shift, aligned, moves};
-use crate::significance::p_of;
-use crate::{Error, TOLD_BELOW};
+use crate::{Error, TOLD_BELOW, apart, p_of};
 use joined::Pair;
 
 /// Rounds of aligning the clocks and finding events.
@@ -30,14 +29,14 @@ pub struct Prepared {
 ///
 /// Steps and spikes are looked for in the test instrument's own rows, with the reference moved to its
 /// moments: so a sudden change of the field is in both, and no filter spreads a spike of the test instrument.
-pub fn prepare(raw: &Pair, start: Shift, correct_clock: bool) -> Result<Prepared, Error> {
+pub(crate) fn prepare(raw: &Pair, start: Shift, correct_clock: bool) -> Result<Prepared, Error> {
     let (mut shift, mut events) = (start, Events::default());
     let (mut clock, mut last) = (None, None::<Look>);
     let mut searched = None::<Shift>;
     // What was found before by these clocks: an event may come and go by turns.
     let mut before: Vec<Events> = Vec::new();
     for _ in 0..ROUNDS {
-        let mut together = aligned(events.taken_out(raw, shift), shift, Moved::Reference);
+        let mut together = events.aligned(raw, shift);
         if let Some(look) = &last {
             look.complete(&mut together)?;
         }
@@ -82,7 +81,7 @@ fn standing(raw: &Pair, shift: Shift, found: Events) -> Result<Events, Error> {
     if found.steps().found.is_empty() {
         return Ok(found);
     }
-    let beside = aligned(found.taken_out(raw, shift), shift, Moved::Reference);
+    let beside = found.aligned(raw, shift);
     let look = look::look(&beside)?;
     let raw = aligned(raw.clone(), shift, Moved::Reference);
     let left = look.left(&raw, &beside);
@@ -98,7 +97,7 @@ fn coarse(
 ) -> Result<Option<Shift>, Error> {
     for by in look.coarse(together)? {
         let moved = Shift { offset_s: shift.offset_s + by.offset_s, rate: shift.rate + by.rate };
-        let there = aligned(events.taken_out(raw, moved), moved, Moved::Reference);
+        let there = events.aligned(raw, moved);
         if look.is_beaten(together, &look::look(&there)?, &there)? {
             return Ok(Some(moved));
         }
@@ -107,7 +106,7 @@ fn coarse(
 }
 
 /// How late the test instrument is where that is many samples, before anything else is known.
-pub fn coarse_shift(raw: &Pair) -> Result<Shift, Error> {
+pub(crate) fn coarse_shift(raw: &Pair) -> Result<Shift, Error> {
     let mut shift = Shift::default();
     for _ in 0..ROUNDS {
         let together = aligned(raw.clone(), shift, Moved::Reference);
@@ -119,28 +118,27 @@ pub fn coarse_shift(raw: &Pair) -> Result<Shift, Error> {
 }
 
 impl Prepared {
-    /// A pair of which nothing is known.
-    pub fn none(pair: &Pair) -> Self {
+    pub(crate) fn none(pair: &Pair) -> Self {
         Self { pair: pair.clone(), events: Events::default(), clock: None, shift: Shift::default() }
     }
 
     /// Both instruments at the same moments, without events and with the most likely readings where rows are
     /// not whole, and what is seen there.
-    pub fn together(&self, raw: &Pair) -> Result<(Pair, Look), Error> {
-        let mut together = aligned(self.events.taken_out(raw, self.shift), self.shift, Moved::Reference);
+    pub(crate) fn together(&self, raw: &Pair) -> Result<(Pair, Look), Error> {
+        let mut together = self.events.aligned(raw, self.shift);
         let look = look::look(&together)?;
         look.complete(&mut together)?;
         Ok((together, look))
     }
 
     /// The same with the reference a little later.
-    pub fn moved(&self, raw: &Pair, by_s: f64) -> Pair {
+    pub(crate) fn moved(&self, raw: &Pair, by_s: f64) -> Pair {
         let shift = Shift { offset_s: self.shift.offset_s + by_s, ..self.shift };
         aligned(self.events.taken_out(raw, self.shift), shift, Moved::Reference)
     }
 
     /// Whether the clocks are those of a shift, by their uncertainties.
-    pub fn is_near(&self, shift: Shift) -> bool {
+    pub(crate) fn is_near(&self, shift: Shift) -> bool {
         let near = |found: f64, known: f64, std: Option<f64>| {
             found == known || (found - known).abs() <= SETTLED * std.unwrap_or(0.0)
         };
@@ -151,16 +149,11 @@ impl Prepared {
     }
 
     /// Corrects the times by the offset that the clock has now, if they are corrected at all.
-    pub fn settle(&mut self, raw: &Pair) -> Result<(), Error> {
+    pub(crate) fn settle(&mut self, raw: &Pair) -> Result<(), Error> {
         let Some(clock) = self.clock.as_ref().filter(|clock| clock.corrected) else { return Ok(()) };
         self.shift.offset_s = clock.offset_s.value();
         *self = settled(raw, self.events.clone(), self.clock.clone(), self.shift, true)?;
         Ok(())
-    }
-
-    /// What the readings are moved by there, s and ppm.
-    pub fn moved_by(&self) -> (f64, f64) {
-        (self.shift.offset_s, 1e6 * self.shift.rate)
     }
 }
 
@@ -188,23 +181,13 @@ pub fn settled(
     Ok(Prepared { pair, events, clock, shift })
 }
 
-/// Whether the clocks differ.
 fn differ(clock: &ClockDifference) -> bool {
     p_of(&clock.offset_s).min(p_of(&clock.rate_ppm)) < TOLD_BELOW
 }
 
-fn over(quantity: &Quantity) -> f64 {
-    apart(0.0, quantity)
-}
-
-/// How far a quantity is from a value, in its uncertainties.
-fn apart(value: f64, quantity: &Quantity) -> f64 {
-    ((quantity.value() - value) / quantity.std().unwrap_or(f64::INFINITY)).abs()
-}
-
 /// The larger of offset and rate over their uncertainties.
 fn off(look: &Look) -> f64 {
-    look.clock.as_ref().map_or(0.0, |clock| over(&clock.offset_s).max(over(&clock.rate_ppm)))
+    look.clock.as_ref().map_or(0.0, |clock| apart(0.0, &clock.offset_s).max(apart(0.0, &clock.rate_ppm)))
 }
 
 fn total(shift: Shift, left: &ClockDifference) -> ClockDifference {

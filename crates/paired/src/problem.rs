@@ -9,7 +9,7 @@ use joined::Pair;
 
 use crate::courses::Sensors;
 use crate::events::Events;
-use crate::look::{Moved, Shift, aligned, seen_rate};
+use crate::look::{Shift, seen_rate, turned};
 
 /// The reference without what is faster than so many steps is fitted besides: its noise, and filters, make the
 /// answer to the field another one at short periods, without delay. So many rows for each step are needed.
@@ -23,36 +23,24 @@ pub const ALIKE: f64 = 1.0;
 const MOST: usize = 1 << 18;
 const BLOCKS: usize = 64;
 
-/// What is known of a pair before its columns are weighed.
-#[derive(Clone, Copy)]
-pub struct Known<'a> {
-    /// What is disturbed.
-    pub disturbed: &'a Events,
-    /// How late the test instrument is.
-    pub shift: Shift,
-}
-
-/// Rows in which both instruments read and nothing is disturbed, with the reference at the test instrument's
-/// moments.
+/// Rows in which both instruments read and nothing is `disturbed`, with the reference at the test instrument's
+/// moments, this one's times being late by `shift`.
 pub fn problem(
     recorded: &Pair,
     covariates: &[Covariate],
-    known: Known<'_>,
+    (disturbed, shift): (&Events, Shift),
 ) -> (Problem, Sensors, Vec<usize>) {
-    let quiet = known.disturbed.taken_out(recorded, known.shift);
-    let pair = aligned(quiet, known.shift, Moved::Reference);
+    let pair = disturbed.aligned(recorded, shift);
     let rows: Vec<usize> = (0..pair.whole.len()).filter(|row| pair.whole[*row]).collect();
     let at = |column: &[f64]| -> Vec<f64> { rows.iter().map(|row| column[*row]).collect() };
     let base: Vec<Vec<f64>> = pair.reference.iter().map(|column| at(column)).collect();
     let channels: Vec<Vec<f64>> = pair.test.iter().map(|column| at(column)).collect();
-    let late = pair
-        .reference
-        .each_ref()
-        .map(|column| at(&seen_rate(&pair, column)).iter().map(|rate| -rate).collect());
+    let late = |column| at(&seen_rate(&pair, column)).iter().map(|rate| -rate).collect();
+    let late: [Vec<f64>; 3] = pair.reference.each_ref().map(|column| late(column));
     let answers: Vec<[f64; 3]> = channels.iter().map(|channel| answer(&base, channel)).collect();
-    let rates: Vec<Vec<f64>> = answers.iter().map(|eta| along(&late, eta)).collect();
+    let rates: Vec<Vec<f64>> = answers.iter().map(|eta| turned(&late, eta)).collect();
     let sensors = Sensors::of(&base, &late, &answers);
-    let time_s: Vec<f64> = rows.iter().map(|row| pair.time_s(*row)).collect();
+    let time_s = at(&pair.times_s());
     let fast = fast(&time_s, &base, pair.step_s);
     let white = channels.iter().map(|channel| white(&base, channel)).fold(f64::INFINITY, f64::min).sqrt();
     let kept = thinned(rows.len(), MOST, BLOCKS);
@@ -106,12 +94,6 @@ fn answer(base: &[Vec<f64>], channel: &[f64]) -> [f64; 3] {
     let all: Vec<&[f64]> = base.iter().map(Vec::as_slice).chain([channel]).collect();
     let fit = regressed(&all);
     std::array::from_fn(|component| fit.coefficient(component))
-}
-
-/// What an answer makes of three components.
-pub fn along(components: &[Vec<f64>; 3], answer: &[f64; 3]) -> Vec<f64> {
-    let of = |row: usize| (0..3).map(|component| answer[component] * components[component][row]).sum();
-    (0..components[0].len()).map(of).collect()
 }
 
 /// White variance of what a regression of changes on changes leaves.

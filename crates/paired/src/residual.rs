@@ -1,7 +1,6 @@
 //! What columns leave of readings.
 
-use estimate::stats::mean;
-
+use estimate::stats::{mean, rms};
 use joined::Pair;
 
 /// The readings less steps of these sizes.
@@ -38,14 +37,16 @@ pub fn rest<C: AsRef<[f64]>>(
 /// Standard deviation of the rows that are whole.
 pub fn scatter(values: &[f64], rows: &[bool]) -> f64 {
     let used: Vec<f64> = values.iter().zip(rows).filter(|(_, row)| **row).map(|(value, _)| *value).collect();
-    let middle = mean(&used);
-    (used.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / used.len() as f64).sqrt()
+    rms(&centred(&used))
+}
+
+/// What an axis of the test instrument reads beside that of the reference of the same name, nT.
+pub fn beside(pair: &Pair, axis: usize) -> Vec<f64> {
+    pair.test[axis].iter().zip(&pair.reference[axis]).map(|(test, reference)| test - reference).collect()
 }
 
 /// What is left of an axis without any fit but that of a level: the test instrument less the reference, nT
 /// rms.
 pub fn of_levels(pair: &Pair, axis: usize) -> f64 {
-    let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
-    let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
-    scatter(&apart, &pair.whole)
+    scatter(&beside(pair, axis), &pair.whole)
 }

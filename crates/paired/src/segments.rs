@@ -2,15 +2,13 @@
 
 use std::ops::Range;
 
-use common::number::{bare, p_value, signed, significant, uncertain};
-use common::{ClockDifference, ClockJump, ClockSegment, Code, Finding, JumpVerdict, Quantity};
+use common::{ClockDifference, ClockJump, ClockSegment, JumpVerdict, Quantity};
 
 use crate::delays;
 use crate::look::Shift;
 use crate::prepare::prepare;
-use crate::significance::p_of;
-use crate::{Error, TOLD_BELOW};
-use joined::{Boundary, Pair};
+use crate::{Error, TOLD_BELOW, apart, p_of, std};
+use joined::{Boundary, Pair, Segment};
 
 /// Fewer rows than these have no clock of their own.
 const LEAST: usize = 64;
@@ -21,34 +19,23 @@ const RULED_OUT: f64 = 3.0;
 /// What the field cannot tell to this share of the jump it cannot tell.
 const TOLD: f64 = 1.0 / 3.0;
 
-/// What each segment says by itself.
-#[derive(Clone, Debug, Default)]
-pub struct Segments {
-    /// In the order of time; none where no time jumps.
-    segments: Vec<ClockSegment>,
-    jumps: Vec<ClockJump>,
-}
-
 /// Finds the clock of each segment by itself, from a known shift on, and sets how much later its times are than in the
 /// longest one.
 ///
 /// A segment whose offset does not differ from that of the longest one (below 1 % by chance) has the same.
-pub fn find(raw: &mut Pair, start: Shift) -> Result<Segments, Error> {
+pub fn find(raw: &mut Pair, start: Shift) -> Result<(Vec<ClockSegment>, Vec<ClockJump>), Error> {
     if raw.boundaries.is_empty() {
-        return Ok(Segments::default());
+        return Ok(Default::default());
     }
-    let clocks: Vec<Option<ClockDifference>> = if raw.segments.len() == 1 {
-        vec![None]
-    } else {
-        raw.segments
-            .iter()
-            .map(|segment| own(&raw.part(segment.rows.clone()), start))
-            .collect::<Result<_, _>>()?
-    };
+    let many = raw.segments.len() > 1;
+    let of = |rows: &Range<usize>| if many { own(&raw.part(rows.clone()), start) } else { Ok(None) };
+    let clocks = raw.segments.iter().map(|segment| of(&segment.rows));
+    let clocks: Vec<Option<ClockDifference>> = clocks.collect::<Result<_, _>>()?;
     let longest = (0..clocks.len()).rev().max_by_key(|number| raw.segments[*number].rows.len()).unwrap_or(0);
     let offset = |number: usize| clocks[number].as_ref().map(|clock| clock.offset_s.clone());
-    let long = (0..clocks.len()).filter(|number| raw.segments[*number].rows.len() >= LEAST_FOR_RATE);
-    let rate = common_rate(long.filter_map(|number| clocks[number].as_ref()));
+    let is_long = |segment: &Segment| segment.rows.len() >= LEAST_FOR_RATE;
+    let long = raw.segments.iter().zip(&clocks).filter(|(segment, _)| is_long(segment));
+    let rate = common_rate(long.filter_map(|(_, clock)| clock.as_ref()));
     for number in 0..clocks.len() {
         let Some(change) = offset(longest).zip(offset(number)).map(|(from, to)| less(&to, &from)) else {
             continue;
@@ -57,26 +44,21 @@ pub fn find(raw: &mut Pair, start: Shift) -> Result<Segments, Error> {
             raw.segments[number].late_s = change.value();
         }
     }
-    let jumps = raw.boundaries.iter().map(|boundary| {
+    let jump = |boundary: &Boundary| {
         let after = raw.segments.iter().position(|segment| segment.rows.start == boundary.row);
-        let change = after.and_then(|after| {
-            let of = |number: usize| Some((&raw.segments[number].rows, clocks[number].as_ref()?));
-            Some(change(raw, of(after.checked_sub(1)?)?, of(after)?, rate.as_ref()))
-        });
-        jump(boundary, change)
-    });
-    let jumps = jumps.collect();
-    let segments = raw.segments.iter().zip(&clocks).filter(|_| raw.segments.len() > 1);
+        let of = |number: usize| Some((&raw.segments[number].rows, clocks[number].as_ref()?));
+        let sides = after.and_then(|after| Some((of(after.checked_sub(1)?)?, of(after)?)));
+        jump(boundary, sides.map(|(from, to)| change(raw, from, to, rate.as_ref())))
+    };
+    let jumps = raw.boundaries.iter().map(jump).collect();
+    let segments = raw.segments.iter().zip(&clocks).filter(|_| many);
     let segments = segments.map(|(segment, clock)| ClockSegment {
         from_s: raw.time_s(segment.rows.start),
         to_s: raw.time_s(segment.rows.end - 1),
         offset_s: clock.as_ref().map(|clock| clock.offset_s.clone()),
-        rate_ppm: clock
-            .as_ref()
-            .filter(|_| segment.rows.len() >= LEAST_FOR_RATE)
-            .map(|clock| clock.rate_ppm.clone()),
+        rate_ppm: clock.as_ref().filter(|_| is_long(segment)).map(|clock| clock.rate_ppm.clone()),
     });
-    Ok(Segments { segments: segments.collect(), jumps })
+    Ok((segments.collect(), jumps))
 }
 
 /// The rate that clocks have in common, by their uncertainties; None where none has one.
@@ -99,7 +81,6 @@ pub fn change(
     let apart = 1e-6 * (middle(to.0) - middle(from.0));
     let all = less(&to.1.offset_s, &from.1.offset_s);
     let Some(rate) = rate_ppm else { return all };
-    let std = |of: &Quantity| of.std().unwrap_or(f64::INFINITY);
     Quantity::new(all.value() - rate.value() * apart, std(&all).hypot(std(rate) * apart))
 }
 
@@ -121,7 +102,6 @@ pub fn own(part: &Pair, start: Shift) -> Result<Option<ClockDifference>, Error> 
 }
 
 fn less(to: &Quantity, from: &Quantity) -> Quantity {
-    let std = |of: &Quantity| of.std().unwrap_or(f64::INFINITY);
     Quantity::new(to.value() - from.value(), std(to).hypot(std(from)))
 }
 
@@ -147,66 +127,15 @@ fn jump(boundary: &Boundary, change: Option<Quantity>) -> ClockJump {
 /// The sampling went on: the times are later by all that is more than a step, or by that without the rows
 /// that were lost meanwhile.
 fn verdict(change: &Quantity, by_s: f64, all_s: f64) -> JumpVerdict {
-    let std = change.std().unwrap_or(f64::INFINITY);
-    let off = |value: f64| (change.value() - value).abs() / std;
+    let off = |value: f64| apart(value, change);
     let went_on = off(all_s).min(off(by_s)) < RULED_OUT;
     match (off(0.0) < RULED_OUT, went_on) {
         (true, true) => JumpVerdict::Unclear,
-        (true, false) if std > TOLD * by_s.abs() => JumpVerdict::Unclear,
+        (true, false) if std(change) > TOLD * by_s.abs() => JumpVerdict::Unclear,
         (true, false) => JumpVerdict::Confirmed,
         (false, true) => JumpVerdict::Contradicted,
         (false, false) => JumpVerdict::Other,
     }
-}
-
-impl Segments {
-    /// Writes what was found to the clock.
-    pub fn write(self, clock: &mut ClockDifference) {
-        (clock.segments, clock.jumps) = (self.segments, self.jumps);
-    }
-}
-
-/// The jumps in words.
-pub fn findings(clock: &ClockDifference) -> Vec<Finding> {
-    clock.jumps.iter().map(|jump| Code::TimesJump.said(said(jump))).collect()
-}
-
-fn said(jump: &ClockJump) -> String {
-    let with =
-        |of: &Quantity| signed(&of.std().map_or_else(|| of.to_string(), |std| uncertain(of.value(), std)));
-    let pause = jump.by_s.value() == 0.0;
-    let what = if pause {
-        "skip rows before".to_string()
-    } else {
-        format!("jump by {} s in", signed(&significant(jump.by_s.value(), 3)))
-    };
-    let place =
-        format!("the times of \"{}\" {what} row {} ({} s)", jump.recording, jump.row, bare(jump.time_s));
-    let Some(name) = &jump.instrument else {
-        return format!(
-            "{place}: both instruments share these times, so the field cannot show whether the sampling jumped with them; the series was split there"
-        );
-    };
-    let change = jump.offset_change_s.as_ref();
-    let of_field = change.map_or_else(
-        || "there are too few readings nearby to determine an offset".to_string(),
-        |change| format!("the offset of the {name} instrument's clock changes by {} s there", with(change)),
-    );
-    let says = match jump.verdict {
-        JumpVerdict::Contradicted if pause => {
-            "the field contradicts the gap: the clock was reset while the sampling went on"
-        }
-        JumpVerdict::Other if pause => "the clock was reset there; check the logger",
-        JumpVerdict::Confirmed => "the field confirms it: the sampling jumped with the times",
-        JumpVerdict::Contradicted => {
-            "the field contradicts it: only the times jumped while the sampling went on"
-        }
-        JumpVerdict::Other => "the field disagrees with the times; check the logger there",
-        JumpVerdict::Unclear => "the field cannot show whether the sampling jumped with the times",
-    };
-    let p = change.filter(|_| jump.verdict == JumpVerdict::Other);
-    let p = p.map(|change| format!(" ({})", p_value(p_of(change)))).unwrap_or_default();
-    format!("{place}: {of_field}{p}; {says}")
 }
 
 #[cfg(test)]

@@ -2,9 +2,8 @@
 
 use explain::Problem;
 
-use crate::basis::{basis, without};
 use crate::courses::Acting;
-use crate::left::Left;
+use crate::left::{Left, basis, without};
 
 /// A level lasts for so many rows at least, and for this share of them.
 const LEAST: usize = 8;

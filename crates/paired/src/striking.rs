@@ -4,9 +4,8 @@ use estimate::sine::{Series, Strongest, strongest};
 use estimate::{Error, dot, stats};
 use explain::{Explained, Problem};
 
-use crate::basis::{basis, without};
 use crate::courses::{Acting, Sensors, Uneven, bit, coarse, range, waves};
-use crate::left::Left;
+use crate::left::{Left, basis, without};
 use crate::problem::ALIKE;
 use crate::steps::steps;
 
@@ -32,10 +31,7 @@ const PHASES: i32 = 16;
 
 /// Lines and steps, at most so many of each, and what repeats along the reading in which most does, each with the number
 /// of alike ones among which it was found.
-///
-/// # Errors
-///
-/// Times out of order.
+/// Refused: times out of order.
 pub fn striking(
     problem: &Problem,
     sensors: &Sensors,

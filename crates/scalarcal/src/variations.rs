@@ -132,7 +132,7 @@ fn explained(of: &paired::Explanation, covariates: &[Covariate]) -> Vec<Finding>
         }
     }
     if let Some(clock) = &of.clock {
-        let words = format!("the scalar magnetometer's times are late by {} s", clock.offset_s);
+        let words = format!("the scalar magnetometer's times are late by {} s", clock.difference.offset_s);
         said.push(Code::Contribution.about("clock").said(words));
     }
     let step = |one: &Amplitude| {

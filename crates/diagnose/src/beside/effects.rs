@@ -252,14 +252,15 @@ const WITHIN: f64 = 2.0;
 pub fn clock(compared: &Compared) -> Option<ExplainedEffect> {
     let clock = compared.of.clock.as_ref()?;
     let half_s = 0.5 * compared.of.problem.length_s();
-    let [offset_s, offset_std] = [clock.offset_s.value(), clock.offset_s.std().unwrap_or(0.0)];
+    let offset = &clock.difference.offset_s;
+    let [offset_s, offset_std] = [offset.value(), offset.std().unwrap_or(0.0)];
     let began_right = |rate: &&Quantity| {
         let std = offset_std.hypot(half_s * rate.std().unwrap_or(0.0));
         (offset_s - half_s * rate.value()).abs() < WITHIN * std
     };
     let only_rate = clock.rate.as_ref().filter(began_right).is_some();
     let kind = if only_rate { Kind::ClockRate } else { Kind::ClockOffset };
-    let mut parameters = IndexMap::from([("offset_s".to_string(), clock.offset_s.clone())]);
+    let mut parameters = IndexMap::from([("offset_s".to_string(), offset.clone())]);
     if let Some(rate) = &clock.rate {
         parameters.insert("rate_ppm".into(), times(rate, 1e6));
     }

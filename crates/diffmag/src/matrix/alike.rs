@@ -3,11 +3,12 @@
 
 use common::covariance::between;
 use estimate::positive::Positive;
-use estimate::stats;
+use estimate::{dot, stats};
 use faer::Mat;
 
 use crate::Error;
 use crate::drift::Columns;
+use crate::octave::{Octave, UNKNOWNS};
 
 /// An octave whose matrix is so improbable, over all octaves that are held against longer periods, is not
 /// alike.
@@ -21,10 +22,7 @@ const AGREED: usize = 2;
 const LOWEST: usize = 8;
 /// The noise of the octaves and the matrix by it are fitted in turn, so often.
 const ROUNDS: usize = 12;
-/// The reference's axes; a straight drift is the column after them.
 const AXES: usize = 3;
-const WIDTH: usize = AXES + 1;
-
 /// How many of the lowest cosine coefficients of a test axis, `y`, belong to periods at which the instruments
 /// answer alike.
 ///
@@ -33,13 +31,22 @@ const WIDTH: usize = AXES + 1;
 /// of short periods. No form of the noise is assumed, and nothing is said of octaves in which the field is
 /// not seen.
 pub fn band(columns: &Columns<'_>, y: &[f64]) -> Result<usize, Error> {
-    let octaves = Octave::all(&columns.base(), y);
-    let tested = octaves.iter().filter(|octave| octave.from >= LEAST_KEPT).count();
+    let octaves = octaves(&columns.base(), y);
+    let tested = octaves.iter().filter(|(from, _)| *from >= LEAST_KEPT).count();
     let (mut kept, mut agreed) = (y.len(), 0);
-    for (number, octave) in octaves.iter().enumerate().rev().take(tested) {
-        let Some(own) = octave.alone() else { continue };
-        if disagreement_p(&own, &weighted(&octaves[..number])?)? < DISAGREE_BELOW / tested as f64 {
-            (kept, agreed) = (octave.from, 0);
+    for (number, (from, octave)) in octaves.iter().enumerate().rev().take(tested) {
+        let Some((eta, inverse, squares)) = octave.alone().filter(|_| octave.count > AXES as f64) else {
+            continue;
+        };
+        let variance = squares.max(0.0) / (octave.count - AXES as f64);
+        let (others, covariance) = weighted(&octaves[..number])?;
+        // Probability of two matrices of independent octaves so far apart by chance.
+        let sum = Mat::from_fn(AXES, AXES, |i, j| variance * inverse[(i, j)] + covariance[(i, j)]);
+        let apart: [f64; AXES] = std::array::from_fn(|i| eta[i] - others[i]);
+        let distance = between(&Positive::of(&sum)?.inverse, &apart, &apart);
+        let p = stats::chi_squared_p(distance.max(0.0), AXES as f64);
+        if p < DISAGREE_BELOW / tested as f64 {
+            (kept, agreed) = (*from, 0);
         } else {
             agreed += 1;
         }
@@ -50,89 +57,45 @@ pub fn band(columns: &Columns<'_>, y: &[f64]) -> Result<usize, Error> {
     Ok(kept)
 }
 
-/// Probability of two matrices of independent octaves so far apart by chance.
-fn disagreement_p(one: &Fit, other: &Fit) -> Result<f64, Error> {
-    let sum = Mat::from_fn(AXES, AXES, |i, j| one.1[(i, j)] + other.1[(i, j)]);
-    let apart: [f64; AXES] = std::array::from_fn(|i| one.0[i] - other.0[i]);
-    let distance = between(&Positive::of(&sum)?.inverse, &apart, &apart);
-    Ok(stats::chi_squared_p(distance.max(0.0), AXES as f64))
-}
-
-/// Coefficients and their covariance.
-type Fit = (Vec<f64>, Mat<f64>);
-
-/// Sums of products over the coefficients of one octave.
-struct Octave {
-    /// The first coefficient, and how many there are.
-    from: usize,
-    count: usize,
-    /// Of the columns, and of y as the last.
-    products: [[f64; WIDTH + 1]; WIDTH + 1],
-}
-
-impl Octave {
-    /// From the lowest frequencies on.
-    fn all(columns: &[&[f64]], y: &[f64]) -> Vec<Self> {
-        let mut edges = vec![y.len()];
-        while edges[edges.len() - 1] / 2 >= LOWEST {
-            edges.push(edges[edges.len() - 1] / 2);
-        }
-        edges.push(0);
-        edges.reverse();
-        let all = |i: usize| if i < WIDTH { columns[i] } else { y };
-        let of = |edge: &[usize]| {
-            let mut products = [[0.0; WIDTH + 1]; WIDTH + 1];
-            for (i, row) in products.iter_mut().enumerate() {
-                for (j, product) in row.iter_mut().enumerate() {
-                    let (a, b) = (&all(i)[edge[0]..edge[1]], &all(j)[edge[0]..edge[1]]);
-                    *product = estimate::dot(a, b);
-                }
-            }
-            Self { from: edge[0], count: edge[1] - edge[0], products }
-        };
-        edges.windows(2).map(of).collect()
+/// From the lowest frequencies on, with the first coefficient of each.
+fn octaves(columns: &[&[f64]], y: &[f64]) -> Vec<(usize, Octave)> {
+    let mut edges = vec![y.len()];
+    while edges[edges.len() - 1] / 2 >= LOWEST {
+        edges.push(edges[edges.len() - 1] / 2);
     }
-
-    /// What coefficients of the columns leave, as a sum of squares.
-    fn left(&self, coefficients: &[f64]) -> f64 {
-        let with_y = |i: usize| coefficients.get(i).map_or(1.0, |coefficient| -coefficient);
-        let row = |i: usize| -> f64 { (0..=WIDTH).map(|j| with_y(j) * self.products[i][j]).sum() };
-        (0..=WIDTH).map(|i| with_y(i) * row(i)).sum()
-    }
-
-    /// Least squares of the reference's axes in this octave; None where the field is not seen.
-    fn alone(&self) -> Option<Fit> {
-        let inverse = Positive::of(&Mat::from_fn(AXES, AXES, |i, j| self.products[i][j])).ok()?.inverse;
-        let coefficient = |i: usize| (0..AXES).map(|j| inverse[(i, j)] * self.products[j][WIDTH]).sum();
-        let found: Vec<f64> = (0..AXES).map(coefficient).chain([0.0]).collect();
-        let freedom = self.count.checked_sub(AXES).filter(|freedom| *freedom > 0)?;
-        let variance = self.left(&found).max(0.0) / freedom as f64;
-        let covariance = Mat::from_fn(AXES, AXES, |i, j| variance * inverse[(i, j)]);
-        Some((found[..AXES].to_vec(), covariance))
-    }
+    edges.push(0);
+    edges.reverse();
+    let all = [&columns[..UNKNOWNS], &[y]].concat();
+    let of = |edge: &[usize]| {
+        let product = |i: usize, j: usize| dot(&all[i][edge[0]..edge[1]], &all[j][edge[0]..edge[1]]);
+        let products = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
+        (edge[0], Octave { count: (edge[1] - edge[0]) as f64, products })
+    };
+    edges.windows(2).map(of).collect()
 }
 
 /// Least squares of the reference's axes and a straight drift over some octaves, each weighted by what is
 /// left in it.
-fn weighted(octaves: &[Octave]) -> Result<Fit, Error> {
-    let mut variances = vec![1.0; octaves.len()];
+fn weighted(octaves: &[(usize, Octave)]) -> Result<(Vec<f64>, Mat<f64>), Error> {
+    let octaves = || octaves.iter().map(|(_, octave)| octave);
+    let mut variances = vec![1.0; octaves().count()];
     let mut found = (Vec::new(), Mat::new());
     for _ in 0..ROUNDS {
         let sum = |i: usize, j: usize| -> f64 {
-            octaves.iter().zip(&variances).map(|(octave, variance)| octave.products[i][j] / variance).sum()
+            octaves().zip(&variances).map(|(octave, variance)| octave.products[i][j] / variance).sum()
         };
-        let covariance = Positive::of(&Mat::from_fn(WIDTH, WIDTH, sum))?.inverse;
-        let right: Vec<f64> = (0..WIDTH).map(|j| sum(j, WIDTH)).collect();
-        let coefficient = |i: usize| (0..WIDTH).map(|j| covariance[(i, j)] * right[j]).sum();
-        let coefficients: Vec<f64> = (0..WIDTH).map(coefficient).collect();
-        for (octave, variance) in octaves.iter().zip(&mut variances) {
-            let leverage: f64 = (0..WIDTH)
-                .flat_map(|i| (0..WIDTH).map(move |j| (i, j)))
+        let covariance = Positive::of(&Mat::from_fn(UNKNOWNS, UNKNOWNS, sum))?.inverse;
+        let right: Vec<f64> = (0..UNKNOWNS).map(|j| sum(j, UNKNOWNS)).collect();
+        let coefficient = |i: usize| (0..UNKNOWNS).map(|j| covariance[(i, j)] * right[j]).sum();
+        let coefficients: Vec<f64> = (0..UNKNOWNS).map(coefficient).collect();
+        for (octave, variance) in octaves().zip(&mut variances) {
+            let leverage: f64 = (0..UNKNOWNS)
+                .flat_map(|i| (0..UNKNOWNS).map(move |j| (i, j)))
                 .map(|(i, j)| covariance[(i, j)] * octave.products[i][j] / *variance)
                 .sum();
-            let least = f64::EPSILON * octave.products[WIDTH][WIDTH] / octave.count as f64;
-            let freedom = (octave.count as f64 - leverage).max(1.0);
-            *variance = (octave.left(&coefficients) / freedom).max(least).max(f64::MIN_POSITIVE);
+            let least = f64::EPSILON * octave.products[UNKNOWNS][UNKNOWNS] / octave.count;
+            let freedom = (octave.count - leverage).max(1.0);
+            *variance = (octave.squares(&coefficients) / freedom).max(least).max(f64::MIN_POSITIVE);
         }
         found = (coefficients, covariance);
     }

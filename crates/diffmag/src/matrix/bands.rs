@@ -34,7 +34,6 @@ const LONGEST: usize = 1 << 17;
 /// Longer periods are those of the day's course, the day and its half: tilt and temperature have them.
 const LONG_S: f64 = 41_400.0;
 
-/// One band of the spectra of one series.
 struct Band {
     ordinates: Range<usize>,
     effective: f64,
@@ -44,12 +43,8 @@ struct Band {
 /// Z in bands of half a decade from the longest periods to the Nyquist frequency, and whether it is one real
 /// matrix.
 pub fn bands(pair: &Pair, fits: &[AxisFit; 3], noise: &Noise<'_>) -> Result<TransferBands, Error> {
-    let channels: Vec<&[f64]> = pair
-        .reference
-        .iter()
-        .map(AsRef::as_ref)
-        .chain(fits.iter().map(|fit| fit.difference.as_slice()))
-        .collect();
+    let differences = fits.iter().map(|fit| fit.difference.as_slice());
+    let channels: Vec<&[f64]> = pair.reference.iter().map(AsRef::as_ref).chain(differences).collect();
     let spectra = spectra(&channels, pair.step_s)?;
     let bands = divide(&spectra);
     let mut columns = [const { Vec::new() }; 3];
@@ -110,12 +105,9 @@ fn spectra(channels: &[&[f64]], step_s: f64) -> Result<Vec<(CrossSpectra, f64)>,
     let mut all = vec![(CrossSpectra::of(channels, step_s, LONGEST, TAPERS)?, step_s)];
     if rows > LONGEST {
         let together = rows.div_ceil(LONGEST);
-        let means: Vec<Vec<f64>> = channels
-            .iter()
-            .map(|channel| {
-                channel.chunks_exact(together).map(|c| c.iter().sum::<f64>() / together as f64).collect()
-            })
-            .collect();
+        let mean = |rows: &[f64]| rows.iter().sum::<f64>() / together as f64;
+        let means: Vec<Vec<f64>> =
+            channels.iter().map(|channel| channel.chunks_exact(together).map(mean).collect()).collect();
         let means: Vec<&[f64]> = means.iter().map(Vec::as_slice).collect();
         let step_s = step_s * together as f64;
         all.push((CrossSpectra::of(&means, step_s, LONGEST, TAPERS)?, step_s));

@@ -4,13 +4,11 @@
 use common::{Angle, DifferentialCalibration, FourteenParameters, KnownInstrument, Magnetometer, Quantity};
 use indexmap::IndexMap;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
-use physics::frames;
+use physics::frames::{self, ARCSEC};
 
 use crate::Error;
-use crate::fourteen::{self, EtaCovariance, Fourteen, KnownAxes, KnownFive, NAMES};
+use crate::fourteen::{self, EtaCovariance, Fourteen, KNOWN_PATH, KnownFive, NAMES};
 
-const PATH: &str = "calibration.differential.known";
-const RAD_PER_ARCSEC: f64 = std::f64::consts::PI / 180.0 / 3600.0;
 /// Pairs of axes, in the order of the fourteen's cosines.
 const PAIRS: [&str; 3] = ["xy", "yz", "xz"];
 /// The angles of instruments that stand as meant, in the order of the names, deg.
@@ -30,12 +28,8 @@ pub fn parameters(
     let covariance = EtaCovariance::from_fn(|i, j| covariance[i][j]);
     let stated = known.cloned().unwrap_or_default();
     let five = five(&stated)?;
-    let wrong = |error: fourteen::Error| match error {
-        fourteen::Error::Known { found, expected, .. } => Error::document(PATH, found, expected),
-        other => Error::Unanswerable(other.to_string()),
-    };
-    let found = fourteen::solve(&eta, &covariance, &five).map_err(wrong)?;
-    let numerical = fourteen::solve_numerically(&eta, &five).map_err(wrong)?;
+    let found = fourteen::solve(&eta, &covariance, &five)?;
+    let numerical = fourteen::solve_numerically(&eta, &five)?;
     Ok(Some(told(&found, &numerical, stated.instrument, known.is_none())))
 }
 
@@ -46,13 +40,13 @@ pub fn parameters(
 /// (the non-orthogonalities ε of fourteen.rs solved for its angles).
 fn five(stated: &KnownInstrument) -> Result<KnownFive, Error> {
     if let Some(key) = stated.non_orthogonality_arcsec.keys().find(|key| !PAIRS.contains(&key.as_str())) {
-        let path = format!("{PATH}.non_orthogonality_arcsec.{key}");
+        let path = format!("{KNOWN_PATH}.non_orthogonality_arcsec.{key}");
         return Err(Error::document(path, "a pair of axes of that name", "`xy`, `yz` or `xz`"));
     }
     let epsilon = PAIRS.map(|pair| {
         let given = stated.non_orthogonality_arcsec.get(pair);
         let of = |quantity: &Quantity| [quantity.value(), quantity.std().unwrap_or(0.0)];
-        given.map_or([0.0; 2], of).map(|arcsec| arcsec * RAD_PER_ARCSEC)
+        given.map_or([0.0; 2], of).map(|arcsec| arcsec * ARCSEC)
     });
     let ratio = |quantity: &Option<Quantity>| {
         quantity.as_ref().map_or([1.0, 0.0], |quantity| [quantity.value(), quantity.std().unwrap_or(0.0)])
@@ -60,36 +54,34 @@ fn five(stated: &KnownInstrument) -> Result<KnownFive, Error> {
     let ratios = [ratio(&stated.ratio_x_y), ratio(&stated.ratio_z_y)];
     let [xy, yz, xz] = epsilon.map(|[value, _]| value);
     let mut jacobian = SMatrix::<f64, 5, 5>::identity();
-    let (axes, derivatives) = match stated.instrument {
-        Magnetometer::Test => (
-            KnownAxes::Test([xy, yz, xz].map(f64::sin)),
-            Matrix3::from_diagonal(&Vector3::new(xy.cos(), yz.cos(), xz.cos())),
-        ),
+    let ([a, b, c], derivatives) = match stated.instrument {
+        Magnetometer::Test => {
+            ([xy, yz, xz].map(f64::sin), Matrix3::from_diagonal(&Vector3::new(xy.cos(), yz.cos(), xz.cos())))
+        }
         Magnetometer::Reference => {
             let toward_x = (xz.sin() - xy.sin() * yz.sin()) / xy.cos();
             let of_toward_x = [toward_x * xy.tan() - yz.sin(), -xy.tan() * yz.cos(), xz.cos() / xy.cos()];
             let rows = [of_toward_x, [0.0, yz.cos(), 0.0], [1.0, 0.0, 0.0]];
-            (KnownAxes::ReferenceTilts([toward_x, yz.sin(), xy]), frames::matrix(&rows))
+            ([toward_x, yz.sin(), xy], frames::matrix(&rows))
         }
     };
     jacobian.fixed_view_mut::<3, 3>(0, 0).copy_from(&derivatives);
     let variances: Vec<f64> = epsilon.iter().chain(&ratios).map(|[_, std]| std * std).collect();
     let given = SMatrix::<f64, 5, 5>::from_diagonal(&SVector::<f64, 5>::from_column_slice(&variances));
-    Ok(KnownFive {
-        axes,
-        ratios: ratios.map(|[value, _]| value),
-        covariance: jacobian * given * jacobian.transpose(),
-    })
+    let [x_y, z_y] = ratios.map(|[value, _]| value);
+    let covariance = jacobian * given * jacobian.transpose();
+    Ok(KnownFive { instrument: stated.instrument, values: [a, b, c, x_y, z_y], covariance })
 }
 
 fn told(found: &Fourteen, numerical: &[f64; 14], known: Magnetometer, assumed: bool) -> FourteenParameters {
     let uncertainties = found.uncertainties();
-    let undetermined = |name: &str| found.undetermined.contains(&name);
+    let short = |name: &str| name.trim_end_matches("_rad").trim_start_matches("ratio_").to_string();
+    let ratio = |k: usize| (short(NAMES[k]), Quantity::new(found.values[k], uncertainties[k]));
     let angle = |k: usize| {
         let value_deg = found.values[k].to_degrees();
         Angle {
             value_deg,
-            std_arcsec: uncertainties[k] / RAD_PER_ARCSEC,
+            std_arcsec: uncertainties[k] / ARCSEC,
             off_nominal_arcsec: NOMINAL_DEG[k].map(|nominal| 3600.0 * (value_deg - nominal)),
         }
     };
@@ -98,7 +90,7 @@ fn told(found: &Fourteen, numerical: &[f64; 14], known: Magnetometer, assumed: b
             .map(|k| {
                 let (cosine, std) = (found.cosines[from + k], found.cosine_uncertainties[from + k]);
                 let sine = (1.0 - cosine * cosine).sqrt();
-                let quantity = Quantity::new(cosine.asin() / RAD_PER_ARCSEC, std / sine / RAD_PER_ARCSEC);
+                let quantity = Quantity::new(cosine.asin() / ARCSEC, std / sine / ARCSEC);
                 (PAIRS[k].to_string(), quantity)
             })
             .collect()
@@ -108,23 +100,14 @@ fn told(found: &Fourteen, numerical: &[f64; 14], known: Magnetometer, assumed: b
         let difference = found.values[k] - numerical[k];
         let turned =
             if k < NOMINAL_DEG.len() { difference.sin().atan2(difference.cos()) } else { difference };
-        if undetermined(NAMES[k]) { 0.0 } else { turned.abs() }
+        if found.undetermined.contains(&NAMES[k]) { 0.0 } else { turned.abs() }
     };
     FourteenParameters {
         known,
         assumed,
-        angles: (0..9).map(|k| (NAMES[k].trim_end_matches("_rad").to_string(), angle(k))).collect(),
-        ratios: (9..14)
-            .map(|k| {
-                let name = NAMES[k].trim_start_matches("ratio_").to_string();
-                (name, Quantity::new(found.values[k], uncertainties[k]))
-            })
-            .collect(),
-        undetermined: found
-            .undetermined
-            .iter()
-            .map(|name| name.trim_end_matches("_rad").to_string())
-            .collect(),
+        angles: (0..9).map(|k| (short(NAMES[k]), angle(k))).collect(),
+        ratios: (9..14).map(ratio).collect(),
+        undetermined: found.undetermined.iter().map(|name| short(name)).collect(),
         reference_non_orthogonality_arcsec: orthogonality(0),
         test_non_orthogonality_arcsec: orthogonality(3),
         numerical_difference_rad: (0..14).map(difference).fold(0.0, f64::max),

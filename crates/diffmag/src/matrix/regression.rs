@@ -27,7 +27,10 @@ pub fn fit(pair: &Pair, follows: &[Follows]) -> Result<[AxisFit; 3], Error> {
     // One after the other: the columns of each are many times as large as the readings.
     let found = [one(&columns, follows, 0)?, one(&columns, follows, 1)?, one(&columns, follows, 2)?];
     let across = |axis: usize, other: usize| match axis == other {
-        true => Default::default(),
+        true => {
+            let own = &found[axis].0.fit.weighted_covariance;
+            std::array::from_fn(|i| std::array::from_fn(|k| own[(i, k)]))
+        }
         false => across::covariance(&found[axis].1, &found[other].1),
     };
     let across: [_; 3] = std::array::from_fn(|axis| std::array::from_fn(|other| across(axis, other)));
@@ -49,12 +52,7 @@ pub fn level(pair: &Pair, fits: &[AxisFit; 3]) -> Pair {
         }
         without(&pair.test[axis], &columns(axis), sizes).into()
     };
-    Pair {
-        test: (0..fits.len()).map(of_axis).collect(),
-        steps: vec![Vec::new(); fits.len()],
-        step_stds: vec![Vec::new(); fits.len()],
-        ..pair.clone()
-    }
+    Pair { test: (0..fits.len()).map(of_axis).collect(), steps: vec![Vec::new(); fits.len()], ..pair.clone() }
 }
 
 /// The pair less what the exponential drifts that the readings demand explain of every column: no matrix

@@ -17,14 +17,12 @@ use faer::Mat;
 use crate::Error;
 use crate::constancy::{self, Estimate, Fitted};
 use crate::regression::AxisFit;
-use joined::Pair;
+use joined::{DAY_S, Pair};
+use paired::residual::centred;
 use stretch::whole;
 
-/// Fewest and most windows.
 const WINDOWS: (usize, usize) = (4, 12);
-/// A window has at least this many samples.
 const LEAST: usize = 120;
-const DAY_S: f64 = 86_400.0;
 
 /// Rows of the windows, at least 4 and at most 12 of at least 120 samples each: whole days where there are
 /// four, so that what comes and goes by day is in all alike; the last one longer by what is left. Windows
@@ -50,24 +48,21 @@ pub fn windows(
     rows: &[Range<usize>],
 ) -> Result<MatrixWindows, Error> {
     let middle = 0.5 * (pair.whole.len() as f64 - 1.0);
-    let days: Vec<f64> = rows
-        .iter()
-        .map(|rows| (0.5 * (rows.start + rows.end - 1) as f64 - middle) * pair.step_s / DAY_S)
-        .collect();
+    let days =
+        |rows: &Range<usize>| (0.5 * (rows.start + rows.end - 1) as f64 - middle) * pair.step_s / DAY_S;
     let mut found = MatrixWindows::default();
     let mut columns = Vec::with_capacity(3);
     let (mut same, mut still, mut changes) = (Vec::new(), Vec::new(), Vec::new());
     for axis in Axis::ALL {
-        let estimates: Vec<Estimate> = rows
-            .iter()
-            .map(|rows| stretch::estimate(pair, fits, &|f| noise.weighing(axis.index(), f), axis, rows))
-            .collect::<Result<_, Error>>()?;
+        let density = |f: f64| noise.weighing(axis.index(), f);
+        let estimates = rows.iter().map(|rows| stretch::estimate(pair, fits, &density, axis, rows));
+        let estimates = estimates.collect::<Result<Vec<Estimate>, Error>>()?;
         let one = constancy::fit(&estimates, 3, |_| Mat::identity(3, 3))?;
         let line = constancy::fit(&estimates, 6, |i| {
             Mat::from_fn(3, 6, |k, l| match l {
                 _ if l % 3 != k => 0.0,
                 0..3 => 1.0,
-                _ => days[i],
+                _ => days(&rows[i]),
             })
         })?;
         for i in 0..3 {
@@ -81,11 +76,7 @@ pub fn windows(
     }
     found.one_matrix = constancy::together([same[0], same[1], same[2]], &noise.correlation_squared);
     found.no_trend = constancy::together([still[0], still[1], still[2]], &noise.correlation_squared);
-    let offsets = [
-        offset_std(pair, &fits[0], rows),
-        offset_std(pair, &fits[1], rows),
-        offset_std(pair, &fits[2], rows),
-    ];
+    let offsets = fits.each_ref().map(|fit| offset_std(pair, fit, rows));
     for (number, rows) in rows.iter().enumerate() {
         let mut window = MatrixWindow {
             from_s: pair.time_s(rows.start),
@@ -96,7 +87,7 @@ pub fn windows(
         };
         for axis in Axis::ALL {
             let j = axis.index();
-            *window.variation_nt.entry(axis) = Some(rms_about_mean(&pair.reference[j][rows.clone()]));
+            *window.variation_nt.entry(axis) = Some(stats::rms(&centred(&pair.reference[j][rows.clone()])));
             let value = offset_change(pair, &fits[j], j, rows);
             *window.offset_change_nt.entry(axis) = Some(Quantity::new(value, offsets[j]));
         }
@@ -147,11 +138,6 @@ fn largest_change(axis: Axis, estimates: &[Estimate], one: &Fitted) -> Option<Ch
     changes.max_by(|a, b| a.significance.total_cmp(&b.significance))
 }
 
-fn rms_about_mean(values: &[f64]) -> f64 {
-    let middle = mean(values);
-    (values.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
-}
-
 /// Mean of T − R η in some rows less that in all.
 fn offset_change(pair: &Pair, fit: &AxisFit, j: usize, rows: &Range<usize>) -> f64 {
     let change = |column: &[f64]| mean(&column[rows.clone()]) - mean(column);
@@ -163,11 +149,9 @@ fn offset_change(pair: &Pair, fit: &AxisFit, j: usize, rows: &Range<usize>) -> f
 /// the first window.
 fn offset_std(pair: &Pair, fit: &AxisFit, rows: &[Range<usize>]) -> f64 {
     let length_s = pair.whole.len() as f64 * pair.step_s;
-    let variance: f64 = (1..=pair.whole.len() / 2)
-        .map(|k| {
-            let angle = std::f64::consts::PI * k as f64 * rows[0].len() as f64 / pair.whole.len() as f64;
-            fit.noise.level(k as f64 / length_s) / length_s * (angle.sin() / angle).powi(2)
-        })
-        .sum();
-    variance.sqrt()
+    let term = |k: usize| {
+        let angle = std::f64::consts::PI * k as f64 * rows[0].len() as f64 / pair.whole.len() as f64;
+        fit.noise.level(k as f64 / length_s) / length_s * (angle.sin() / angle).powi(2)
+    };
+    (1..=pair.whole.len() / 2).map(term).sum::<f64>().sqrt()
 }

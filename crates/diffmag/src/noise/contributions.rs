@@ -2,8 +2,7 @@
 //! others.
 
 use common::{
-    Axis, ClockDifference, Contribution, ContributionCause, DifferentialFit, Drift, DriftForm, EventKind,
-    PerAxis,
+    Axis, ClockDifference, Contribution, ContributionCause, DifferentialFit, DriftForm, EventKind, PerAxis,
 };
 use estimate::Svd;
 use estimate::cosine::Cosine;
@@ -11,16 +10,15 @@ use estimate::resample::PASSBAND;
 use estimate::stats::mean;
 use faer::Mat;
 
+use crate::drift::exponential;
 use crate::{Error, words};
-use joined::Pair;
-use paired::TOLD_BELOW;
+use joined::{DAY_S, Pair};
 use paired::followed::Follows;
 use paired::look::{Moved, Shift, aligned};
 use paired::prepare::Prepared;
 use paired::residual::{of_levels, scatter};
-use paired::significance::p_of;
+use paired::{TOLD_BELOW, p_of};
 
-const DAY_S: f64 = 86_400.0;
 /// Columns that others make up to this share of the largest singular value say nothing of their own.
 const DEPENDENT: f64 = 1e-12;
 
@@ -41,12 +39,12 @@ pub fn add(
     let whole = Design { drift: true, followed };
     let final_rms = rms(&prepared.pair, fit, whole)?;
     let mut all: Vec<Contribution> = clock(raw, prepared, fit, &cosine, whole)?.into_iter().collect();
-    let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, taken_off, column: Option<String>| {
+    let mut beside = |cause, what: Option<String>, with: PerAxis<f64>, column: Option<String>| {
         all.extend(what.map(|what| Contribution {
             cause,
             what,
             column,
-            taken_off,
+            taken_off: true,
             rms_with_nt: with,
             rms_without_nt: final_rms.clone(),
             ..Contribution::default()
@@ -60,22 +58,22 @@ pub fn add(
             Some((axis, *taken_off.get(axis)?))
         };
         let with = Axis::ALL.into_iter().filter_map(of).collect();
-        beside(ContributionCause::Drift, Some(what), with, true, None);
+        beside(ContributionCause::Drift, Some(what), with, None);
     }
     for (name, what) in words::followed(fit) {
         let others: Vec<Follows> = followed.iter().filter(|one| one.name != name).cloned().collect();
         let own = followed.iter().filter(|one| one.name == name);
         let pair = own.fold(prepared.pair.clone(), |pair, one| one.added(&pair, 1.0));
         let with = rms(&pair, fit, Design { followed: &others, ..whole })?;
-        beside(ContributionCause::Column, Some(what), with, true, Some(name));
+        beside(ContributionCause::Column, Some(what), with, Some(name));
     }
     if fit.kept_out.events.iter().any(|event| event.kind == EventKind::Step) {
         let with = rms(&without(raw, prepared, |kind| kind != EventKind::Step), fit, whole)?;
-        beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, true, None);
+        beside(ContributionCause::Steps, words::steps(&fit.kept_out), with, None);
     }
     if fit.kept_out.events.iter().any(|event| event.kind != EventKind::Step) {
         let with = rms(&without(raw, prepared, |kind| kind == EventKind::Step), fit, whole)?;
-        beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, true, None);
+        beside(ContributionCause::Disturbances, words::disturbances(&fit.kept_out), with, None);
     }
     if let Some(what) = words::short_periods(fit) {
         let long = per_axis(|axis| {
@@ -155,7 +153,6 @@ struct Design<'a> {
     followed: &'a [Follows],
 }
 
-/// Whether the readings demand a drift of an axis.
 fn demanded(fit: &DifferentialFit, axis: Axis) -> bool {
     fit.axes.get(axis).is_some_and(|of| of.drift.demanded != DriftForm::None)
 }
@@ -184,15 +181,11 @@ fn left(
     let means = pair.reference.each_ref().map(|column| mean(column));
     let level = mean(test);
     let steps = &pair.steps[axis.index()];
-    let decay_s = fit.axes.get(axis).and_then(|of| decay_s(&of.drift)).filter(|_| design.drift);
+    let decay = fit.axes.get(axis).and_then(|of| exponential(&of.drift)).filter(|_| design.drift);
+    let decay_s = decay.map(|decay| decay.time_constant_s.value());
     let followed = design.followed;
     // Beside a column that it follows an axis has a straight drift only where one is demanded.
     let days = design.drift && (demanded(fit, axis) || followed.is_empty());
-    let width = 4
-        + usize::from(days)
-        + usize::from(decay_s.is_some())
-        + followed.iter().map(|follows| follows.columns.len()).sum::<usize>()
-        + steps.len();
     let fill = |row: usize, values: &mut Vec<f64>| {
         values.clear();
         values.push(1.0);
@@ -200,10 +193,12 @@ fn left(
         values.extend(days.then(|| pair.since_middle_s(row) / DAY_S));
         values.extend(decay_s.map(|decay_s| (-(row as f64) * pair.step_s / decay_s).exp()));
         values.extend(followed.iter().flat_map(|follows| &follows.columns).map(|column| column[row]));
-        values.extend(steps.iter().map(|step| if row < *step { 0.0 } else { 1.0 }));
+        values.extend(steps.iter().map(|(step, _)| if row < *step { 0.0 } else { 1.0 }));
     };
     let used = || (0..test.len()).filter(|row| rows[*row]);
-    let mut values = Vec::with_capacity(width);
+    let mut values = Vec::new();
+    fill(0, &mut values);
+    let width = values.len();
     let mut gram = Mat::<f64>::zeros(width, width);
     let mut right = vec![0.0; width];
     for row in used() {
@@ -228,12 +223,6 @@ fn left(
         residual[row] = test[row] - level - explained;
     }
     Ok(residual)
-}
-
-/// The time constant of an exponential drift that is demanded, s.
-fn decay_s(drift: &Drift) -> Option<f64> {
-    let demanded = matches!(drift.demanded, DriftForm::Exponential | DriftForm::Both);
-    drift.joint.as_ref().filter(|_| demanded).map(|joint| joint.time_constant_s.value())
 }
 
 /// Sum of the squares of a series about its mean, of its frequencies up to one (Hz).

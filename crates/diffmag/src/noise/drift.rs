@@ -11,13 +11,13 @@ pub use columns::{Beside, Columns};
 pub use joint::{Joint, LEVEL, joint};
 pub use weighed::weighed;
 
-use common::{Drift, DriftExplanations, DriftForm, Quantity, WindowMean};
+use common::{Drift, DriftExplanations, DriftForm, JointDrift, Quantity, WindowMean};
 use estimate::cosine::{Errors, Regression};
 use estimate::stats;
 use faer::MatRef;
 
 use crate::Error;
-use columns::DAY_S;
+use joined::DAY_S;
 use paired::noise::Noise;
 
 /// Windows of which means are told, and the least samples of one.
@@ -105,6 +105,11 @@ pub fn describe(
         per_year: Some(over(365.25)),
         ..Drift::default()
     })
+}
+
+/// The exponential drift, where it is demanded.
+pub fn exponential(drift: &Drift) -> Option<&JointDrift> {
+    drift.joint.as_ref().filter(|_| matches!(drift.demanded, DriftForm::Exponential | DriftForm::Both))
 }
 
 /// e^(−t/τ) and its derivative with respect to ln τ.

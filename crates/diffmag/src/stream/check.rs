@@ -1,11 +1,10 @@
 //! Columns of which no matrix can be told.
 
 use common::Axis;
-use common::number::significant;
 use estimate::tsqr::Tsqr;
 
 use crate::Error;
-use joined::{ALIKE, IN_A_PLANE, UNITS, in_a_plane};
+use joined::{ALIKE, IN_A_PLANE, in_a_plane, other_units};
 
 /// Places of the reference's and of the test instrument's readings among the columns.
 pub const REFERENCE: [usize; 3] = [1, 2, 3];
@@ -43,12 +42,6 @@ pub fn columns(factor: &Tsqr) -> Result<(), Error> {
     }
     let size = |squares: &[f64]| squares.iter().sum::<f64>().sqrt();
     let ratio = size(&squares[3..]) / size(&squares[..3]);
-    if !(1.0 / UNITS..=UNITS).contains(&ratio) {
-        return refused(format!(
-            "test_x_nt, …: found changes {} times those of the reference; expected readings of both instruments in nT; are \
-             those of one in V, or in µT?",
-            significant(ratio, 3)
-        ));
-    }
-    Ok(())
+    let Some((found, expected)) = other_units(ratio) else { return Ok(()) };
+    refused(format!("test_x_nt, …: found {found}; expected {expected}"))
 }

@@ -7,10 +7,9 @@ use faer::Mat;
 
 use super::memory::Memory;
 use super::noise::{Noise, Problem, SMALL, Slope, Solution};
-use super::octaves::UNKNOWNS;
 use crate::Error;
+use crate::octave::UNKNOWNS;
 
-/// Exponents that are searched.
 const EXPONENTS: [f64; 2] = [0.1, 2.6];
 /// Exponents and decades of the flicker's share at one sample from which the search starts.
 const STARTS: [f64; 4] = [0.5, 1.0, 1.5, 2.2];
@@ -27,7 +26,6 @@ const LAST: f64 = 1e-9;
 /// Twice the gain in log likelihood that flicker has to bring, as [`estimate::whittle`] has it.
 const FLICKER: f64 = 7.7;
 
-/// What was found.
 pub struct FittedNoise {
     /// The noise; amplitude 0 where flicker is not significant (1 %).
     pub noise: Noise,

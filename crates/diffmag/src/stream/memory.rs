@@ -1,7 +1,7 @@
 use faer::Mat;
 use std::sync::LazyLock;
 
-use super::octaves::Differences;
+use crate::octave::Octave;
 
 /// Levels between two differences, and places beside, that still covary.
 const DEPTH: usize = 6;
@@ -14,14 +14,18 @@ struct Kernel {
     knots: Vec<f64>,
 }
 
+impl Kernel {
+    fn along(&self, curve: &[f64]) -> f64 {
+        curve.iter().zip(&self.knots).map(|(g, weight)| g * weight).sum()
+    }
+}
+
 /// All relations: to the neighbours on a level, and to the differences within and beside one's own blocks on
 /// the levels below.
 static KERNELS: LazyLock<Vec<Kernel>> = LazyLock::new(|| {
-    (0..=DEPTH)
-        .flat_map(|depth| (-BESIDE..(1 << depth) + BESIDE).map(move |place| (depth, place)))
-        .filter(|relation| *relation != (0, 0))
-        .map(|(depth, place)| kernel(depth, place))
-        .collect()
+    let places = |depth: usize| (-BESIDE..(1 << depth) + BESIDE).map(move |place| (depth, place));
+    let relations = (0..=DEPTH).flat_map(places).filter(|relation| *relation != (0, 0));
+    relations.map(|(depth, place)| kernel(depth, place)).collect()
 });
 
 fn kernel(depth: usize, place: i64) -> Kernel {
@@ -94,7 +98,7 @@ pub struct Pair {
 
 impl Memory {
     /// Of octaves and the variances that noise with memory has there.
-    pub fn of(octaves: &[Differences], flicker: &[f64]) -> Self {
+    pub fn of(octaves: &[Octave], flicker: &[f64]) -> Self {
         let element = |i: usize, j: usize| {
             curve(octaves.iter().filter(|octave| octave.count > 0.0).map(|o| o.products[i][j] / o.count))
         };
@@ -110,13 +114,7 @@ impl Memory {
         (0..levels).flat_map(move |lower| {
             KERNELS.iter().filter(move |kernel| lower + kernel.depth < levels).map(move |kernel| {
                 let upper = lower + kernel.depth;
-                let at = |curve: &[f64]| -> f64 {
-                    curve[lower.min(curve.len() - 1)..]
-                        .iter()
-                        .zip(&kernel.knots)
-                        .map(|(g, weight)| g * weight)
-                        .sum()
-                };
+                let at = |curve: &[f64]| kernel.along(&curve[lower.min(curve.len() - 1)..]);
                 let field = std::array::from_fn(|i| std::array::from_fn(|j| at(&self.field[3 * i + j])));
                 let both = if kernel.depth == 0 { 1.0 } else { 2.0 };
                 Pair { lower, upper, count: both * self.counts[upper], noise: at(&self.noise), field }
@@ -161,11 +159,7 @@ mod tests {
                         exact -= a * b * g(length * (end - other)) / (length * length * long);
                     }
                 }
-                let found: f64 = knots[level..]
-                    .iter()
-                    .zip(&kernel(depth, place).knots)
-                    .map(|(g, weight)| g * weight)
-                    .sum();
+                let found = kernel(depth, place).along(&knots[level..]);
                 assert!(
                     (found - exact).abs() < 0.02 * variance,
                     "{exponent} {depth} {place}: {found} {exact}"

@@ -3,7 +3,6 @@ use serde::{Deserialize, Serialize};
 
 /// Place number, the reference's x, y, z and the test's x, y, z.
 pub const CHANNELS: usize = 7;
-/// Products of two channels.
 pub const PRODUCTS: usize = CHANNELS * (CHANNELS + 1) / 2;
 
 /// Where the product of channels i ≤ j stands.

@@ -5,9 +5,10 @@ use estimate::positive::Positive;
 use faer::Mat;
 
 use super::memory::Memory;
-use super::octaves::{Differences, UNKNOWNS};
+use super::octaves::length;
 use super::slow::Slow;
 use crate::Error;
+use crate::octave::{Octave, UNKNOWNS};
 
 /// For derivatives by the exponent.
 pub const SMALL: f64 = 1e-4;
@@ -40,8 +41,7 @@ impl Noise {
 /// What is known of an axis.
 pub struct Problem<'a> {
     /// Octaves within a stretch.
-    pub octaves: &'a [Differences],
-    /// The stretches.
+    pub octaves: &'a [Octave],
     pub slow: &'a Slow,
     /// Their steps in the columns of the octaves.
     pub steps: Mat<f64>,
@@ -68,7 +68,7 @@ pub(super) struct Slope {
     /// Their Fisher information, the differences independent.
     pub information: Mat<f64>,
     /// For each of them and each octave ∂ ln V.
-    pub relative: Vec<Vec<f64>>,
+    pub relative: [Vec<f64>; 3],
 }
 
 impl Problem<'_> {
@@ -86,7 +86,7 @@ impl Problem<'_> {
     }
 
     fn white(&self) -> (Vec<f64>, Mat<f64>) {
-        (self.octaves.iter().map(|octave| 2.0 / octave.length).collect(), self.slow.white())
+        ((0..self.octaves.len()).map(|level| 2.0 / length(level)).collect(), self.slow.white())
     }
 
     fn power_law(&self, exponent: f64) -> (Vec<f64>, Mat<f64>) {
@@ -98,14 +98,9 @@ impl Problem<'_> {
         let (variances, steps) = self.model(noise);
         let steps = Positive::of(&steps)?;
         let weighted = self.steps.transpose() * &steps.inverse * &self.steps;
+        let octaves = || self.octaves.iter().zip(&variances);
         let normal = Mat::from_fn(UNKNOWNS + 1, UNKNOWNS + 1, |i, j| {
-            weighted[(i, j)]
-                + self
-                    .octaves
-                    .iter()
-                    .zip(&variances)
-                    .map(|(octave, v)| octave.products[i][j] / v)
-                    .sum::<f64>()
+            weighted[(i, j)] + octaves().map(|(octave, v)| octave.products[i][j] / v).sum::<f64>()
         });
         let left = Positive::of(&Mat::from_fn(UNKNOWNS, UNKNOWNS, |i, j| normal[(i, j)]))?;
         let coefficients: Vec<f64> = (0..UNKNOWNS)
@@ -113,7 +108,7 @@ impl Problem<'_> {
             .collect();
         let explained: f64 = (0..UNKNOWNS).map(|i| coefficients[i] * normal[(i, UNKNOWNS)]).sum();
         let squares = normal[(UNKNOWNS, UNKNOWNS)] - explained;
-        let octaves: f64 = self.octaves.iter().zip(&variances).map(|(octave, v)| octave.count * v.ln()).sum();
+        let octaves: f64 = octaves().map(|(octave, v)| octave.count * v.ln()).sum();
         Ok(Solution {
             cost: octaves + steps.log_determinant + left.log_determinant + squares,
             squares,
@@ -152,14 +147,11 @@ impl Problem<'_> {
             (noise.amplitude, bend, bend_steps),
             (noise.white, white, white_steps),
         ];
-        let relative: Vec<Vec<f64>> = parts
-            .iter()
-            .map(|(size, octaves, _)| {
-                octaves.iter().zip(&at.variances).map(|(v, all)| size * v / all).collect()
-            })
-            .collect();
-        let steps: Vec<Mat<f64>> =
-            parts.into_iter().map(|(size, _, steps)| steps * faer::Scale(size)).collect();
+        let of = |size: f64, octaves: &[f64]| {
+            octaves.iter().zip(&at.variances).map(|(v, all)| size * v / all).collect()
+        };
+        let relative: [Vec<f64>; 3] = parts.each_ref().map(|(size, octaves, _)| of(*size, octaves));
+        let steps = parts.map(|(size, _, steps)| steps * faer::Scale(size));
         let rows = self.steps.nrows();
         let known = Mat::from_fn(rows, UNKNOWNS, |i, j| self.steps[(i, j)]);
         let rest = Mat::from_fn(rows, 1, |i, _| {
@@ -167,15 +159,15 @@ impl Problem<'_> {
             self.steps[(i, UNKNOWNS)] - explained
         });
         let (u, q) = (&at.steps_inverse * &known, &at.steps_inverse * &rest);
-        let shares: Vec<Mat<f64>> = steps.iter().map(|steps| &at.steps_inverse * steps).collect();
+        let shares = steps.each_ref().map(|steps| &at.steps_inverse * steps);
         let octave_sum = |factor: &dyn Fn(usize) -> f64| {
             Mat::from_fn(UNKNOWNS, UNKNOWNS, |i, j| {
                 let term =
-                    |(n, octave): (usize, &Differences)| octave.products[i][j] / at.variances[n] * factor(n);
+                    |(n, octave): (usize, &Octave)| octave.products[i][j] / at.variances[n] * factor(n);
                 self.octaves.iter().enumerate().map(term).sum::<f64>()
             })
         };
-        let through: Vec<Mat<f64>> = steps.iter().map(|steps| steps * &u).collect();
+        let through = steps.each_ref().map(|steps| steps * &u);
         let moved: Vec<Mat<f64>> = (0..3)
             .map(|k| &at.covariance * (octave_sum(&|n| relative[k][n]) + u.transpose() * &through[k]))
             .collect();
@@ -210,9 +202,7 @@ impl Problem<'_> {
     pub fn sandwich(&self, solution: &Solution, noise: &Noise) -> (Mat<f64>, Mat<f64>) {
         let sum = |factor: &dyn Fn(usize, f64) -> f64| {
             Mat::from_fn(3, 3, |i, j| {
-                let term = |(n, octave): (usize, &Differences)| {
-                    octave.products[i][j] * factor(n, octave.length / 2.0)
-                };
+                let term = |(n, octave): (usize, &Octave)| octave.products[i][j] * factor(n, length(n) / 2.0);
                 self.octaves.iter().enumerate().map(term).sum::<f64>()
             })
         };
@@ -221,7 +211,7 @@ impl Problem<'_> {
         let plain = sum(&|_, weight| weight) + weights.transpose() * &steps;
         let noisy = sum(&|n, weight| weight * weight * solution.variances[n])
             + weights.transpose() * self.model(noise).1 * &weights
-            + self.memory(noise).products(|n| self.octaves[n].length / 2.0);
+            + self.memory(noise).products(|n| length(n) / 2.0);
         (plain, noisy)
     }
 }

@@ -22,7 +22,7 @@ pub struct Row(pub i64, pub [f64; 6]);
 pub struct Partial {
     /// Where the samples stand; absent: there are none, and any grid will do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub grid: Option<Grid>,
+    pub(super) grid: Option<Grid>,
     /// First and last place of each stretch of time that is covered; what is missing within is missing for
     /// good.
     pub(super) covered: Covered<i64>,
@@ -111,8 +111,8 @@ impl partial::Partial for Partial {
 
 impl Partial {
     /// A piece of a grid, without samples so far.
-    pub(super) fn on(grid: Grid) -> Self {
-        Partial { grid: Some(grid), ..Self::default() }
+    pub(super) fn on(grid: Grid) -> (Grid, Self) {
+        (grid, Partial { grid: Some(grid), ..Self::default() })
     }
 
     /// Times of the first and the last place that are covered, s.

@@ -101,27 +101,9 @@ impl Pyramid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stream::moments::at;
-    use crate::stream::{Batch, Statistics};
+    use crate::stream::Statistics;
+    use ::partial::Take;
     use testkit::reference::{list, reference};
-
-    fn block(value: f64) -> Block {
-        Block::sample(0, [value; 6])
-    }
-
-    #[test]
-    fn neighbours_find_each_other_in_any_order() {
-        let values = [3.0, 5.0, 4.0, 10.0, 1.0, 2.0];
-        for order in [[0, 1, 2, 3, 4, 5], [5, 3, 1, 0, 2, 4]] {
-            let mut pyramid = Pyramid::default();
-            order.iter().for_each(|i| pyramid.insert(0, *i as i64 - 4, block(values[*i])));
-            let sums: Vec<f64> = pyramid.levels.iter().map(|level| level.product(1, 1).value()).collect();
-            // (5 − 3)² + (10 − 4)² + (2 − 1)², then (7 − 4)².
-            assert_eq!(sums, [41.0, 9.0]);
-            assert_eq!(pyramid.orphans.len(), 2);
-            assert_eq!(pyramid.levels[0].count, 3);
-        }
-    }
 
     #[test]
     fn empty_tiles_are_the_same_however_they_come() {
@@ -139,12 +121,10 @@ mod tests {
         };
         let time = numbers(&reference["time_s"]);
         let columns: Vec<Vec<f64>> = list(&reference["columns"]).iter().map(numbers).collect();
-        let mut statistics = Statistics::new();
-        let column = |i: usize| columns[i].as_slice();
-        let reference_nt = [column(0), column(1), column(2)];
-        let test_nt = [column(3), column(4), column(5)];
-        statistics.push(&Batch { time_s: &time, reference_nt, test_nt }).expect("rows");
-        let levels = statistics.finish().pyramid.levels;
+        let mut statistics = Statistics::default();
+        let all: Vec<&[f64]> = std::iter::once(&time).chain(&columns).map(Vec::as_slice).collect();
+        statistics.push(&all).expect("rows");
+        let levels = statistics.finish().expect("a piece").pyramid.levels;
         let expected = list(&reference["haar"]);
         assert_eq!(levels.len(), expected.len());
         let mut worst: f64 = 0.0;
@@ -163,12 +143,5 @@ mod tests {
         }
         println!("worst difference {worst:.1e}");
         assert!(worst < 1e-11);
-    }
-
-    #[test]
-    fn products_have_their_places() {
-        let mut places: Vec<usize> = (0..7).flat_map(|i| (i..7).map(move |j| at(i, j))).collect();
-        places.sort_unstable();
-        assert_eq!(places, (0..28).collect::<Vec<_>>());
     }
 }

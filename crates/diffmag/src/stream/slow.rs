@@ -21,10 +21,8 @@ impl Slow {
         let length = 2.0_f64.powi(i32::from(profile.level));
         let stretches = &profile.stretches;
         let origin = stretches.first().map_or(0, |first| first.first);
-        let spans = stretches
-            .iter()
-            .map(|s| [(s.first - origin) as f64 / length, (s.last + 1 - origin) as f64 / length])
-            .collect();
+        let place = |at: i64| (at - origin) as f64 / length;
+        let spans = stretches.iter().map(|s| [place(s.first), place(s.last + 1)]).collect();
         let steps = Mat::from_fn(stretches.len().saturating_sub(1), CHANNELS, |i, j| {
             let [before, after] = [&stretches[i].block, &stretches[i + 1].block];
             after.sums[j].over(after.count as f64).less(before.sums[j].over(before.count as f64))

@@ -48,29 +48,30 @@ fn a_clock_that_drifts_by_many_samples() {
     assert!(found.left_rate_ppm.is_none_or(|left| off(&left, 0.0).abs() < 3.5));
 }
 
+/// By a third of a step, and by whole steps, which rows that are missing would leave as well.
 #[test]
 fn times_that_jump_while_the_sampling_goes_on() {
-    let made = made(1);
-    let (time, reference, test) = (made.reference_time(), made.read("reference"), made.read("test"));
-    let found = clock((&time, &reference), (&jumped(&time, BY_S), &test), false);
-    assert_eq!(found.jumps.len(), 1);
-    let jump = &found.jumps[0];
-    assert_eq!(
-        (jump.row, jump.instrument.as_deref(), jump.verdict),
-        (JUMP, Some("test"), JumpVerdict::Contradicted)
-    );
-    let change = jump.offset_change_s.as_ref().expect("a change");
-    assert!(off(change, BY_S).abs() < 3.0 && std(change) < 1.0, "{change:?}");
-    assert_eq!(found.segments.len(), 2);
-    // No rate is made of the jump.
-    let rates = found.segments.iter().map(|segment| segment.rate_ppm.as_ref().expect("a rate"));
-    for rate in rates.chain([&found.rate_ppm]) {
-        assert!(off(rate, 0.0).abs() < 4.0, "{rate:?}");
+    for (seed, by_s) in [(1, BY_S), (5, 300.0)] {
+        let made = made(seed);
+        let (time, reference, test) = (made.reference_time(), made.read("reference"), made.read("test"));
+        let clock = |correct| clock((&time, &reference), (&jumped(&time, by_s), &test), correct);
+        let found = clock(false);
+        let [jump] = &found.jumps[..] else { panic!("{:?}", found.jumps) };
+        assert_eq!((jump.row, jump.instrument.as_deref()), (JUMP, Some("test")));
+        assert_eq!(jump.verdict, JumpVerdict::Contradicted, "{jump:?}");
+        let change = jump.offset_change_s.as_ref().expect("a change");
+        assert!(off(change, by_s).abs() < 3.0 && std(change) < 3.0, "{change:?}");
+        assert_eq!(found.segments.len(), 2);
+        // No rate is made of the jump.
+        let rates = found.segments.iter().map(|segment| segment.rate_ppm.as_ref().expect("a rate"));
+        for rate in rates.chain([&found.rate_ppm]) {
+            assert!(off(rate, 0.0).abs() < 4.0, "{rate:?}");
+        }
+        let corrected = clock(true);
+        assert!(corrected.corrected);
+        let left = corrected.left_offset_s.expect("what is left");
+        assert!(off(&left, 0.0).abs() < 4.0, "{left:?}");
     }
-    let corrected = clock((&time, &reference), (&jumped(&time, BY_S), &test), true);
-    assert!(corrected.corrected);
-    let left = corrected.left_offset_s.expect("what is left");
-    assert!(off(&left, 0.0).abs() < 4.0, "{left:?}");
 }
 
 #[test]
@@ -79,13 +80,9 @@ fn sampling_that_jumps_with_the_times() {
     let reference = then(&made(2).read("reference"), &later.read("reference"), JUMP);
     let time = made(2).reference_time();
     let found = clock((&jumped(&time, BY_S), &reference), (&time, &made(2).read("test")), false);
-    assert_eq!(found.jumps.len(), 1);
-    let jump = &found.jumps[0];
-    assert_eq!(
-        (jump.instrument.as_deref(), jump.verdict),
-        (Some("reference"), JumpVerdict::Confirmed),
-        "{jump:?}"
-    );
+    let [jump] = &found.jumps[..] else { panic!("{:?}", found.jumps) };
+    let expected = (Some("reference"), JumpVerdict::Confirmed);
+    assert_eq!((jump.instrument.as_deref(), jump.verdict), expected, "{jump:?}");
 }
 
 /// Noise of the reference makes −dB/dt an uncertain column: without regard to it every offset would seem
@@ -120,11 +117,11 @@ fn offsets_of_parts_that_differ_are_in_the_interval() {
     }
 }
 
-/// With an offset for each segment in the model, what the document predicts at the test instrument's own
-/// times is what it read there.
+/// With a rate, and an offset for each segment, in the model, what the document predicts at the test instrument's
+/// own times is what it read there.
 #[test]
 fn each_segment_has_its_clock_in_the_model() {
-    let made = Made { offset_s: 40.0, ..made(4) };
+    let made = Made { offset_s: 40.0, rate_ppm: 20.0, ..made(4) };
     let (time, test) = (jumped(&made.reference_time(), BY_S), made.read("test"));
     let before = made.read("reference");
     let apart = document(vec![
@@ -153,22 +150,6 @@ fn each_segment_has_its_clock_in_the_model() {
     let (with, without) = (rms(found.model.clone()), rms(None));
     println!("{with} nT, without the clock {without} nT");
     assert!(with < 0.2 * without && without > 10.0 * made.white_nt);
-}
-
-#[test]
-fn a_clock_that_was_set_by_whole_steps_is_told_from_rows_that_are_missing() {
-    let made = made(5);
-    let (time, reference, test) = (made.reference_time(), made.read("reference"), made.read("test"));
-    let found = clock((&time, &reference), (&jumped(&time, 5.0 * made.step_s), &test), true);
-    assert_eq!(found.jumps.len(), 1, "{:?}", found.jumps);
-    let jump = &found.jumps[0];
-    assert_eq!((jump.row, jump.instrument.as_deref()), (JUMP, Some("test")));
-    assert_eq!(jump.verdict, JumpVerdict::Contradicted, "{jump:?}");
-    let change = jump.offset_change_s.as_ref().expect("a change");
-    assert!(off(change, 300.0).abs() < 3.0 && std(change) < 3.0, "{change:?}");
-    assert!(found.segments.len() == 2 && found.corrected);
-    let left = found.left_offset_s.expect("what is left");
-    assert!(off(&left, 0.0).abs() < 4.0, "{left:?}");
 }
 
 /// Three gaps in each recording, at 1 % for all gaps of a recording together. FLUXCAL_CAMPAIGNS sets how many

@@ -1,27 +1,20 @@
 //! The source's iteration against SciPy's least-squares fit of all unknowns together
 //! (fixtures/reference/diffmag_drift.py).
 
-use common::Document;
-use serde_json::{Map, json};
-use testkit::reference::{list, number, reference};
+use testkit::reference::{list, number, numbers, reference};
 
 use crate::answers::fit;
+use crate::pair_in_time::{both, document};
 
 #[test]
 fn the_iteration_ends_at_the_joint_least_squares() {
     let reference = reference("diffmag_drift");
     let pair = &reference["pair"];
-    let rows = list(&pair["test"][0]).len();
-    let step_s = number(&pair["step_s"]);
-    let mut columns = Map::new();
-    columns.insert("time_s".into(), json!((0..rows).map(|row| row as f64 * step_s).collect::<Vec<_>>()));
-    for (i, axis) in ["x", "y", "z"].iter().enumerate() {
-        for of in ["reference", "test"] {
-            columns.insert(format!("{of}_{axis}_nt"), pair[of][i].clone());
-        }
-    }
-    let document = json!({"fluxcal": 1, "recordings": [{"id": "pair", "procedure": "differential", "columns": columns}]});
-    let fit = fit(&Document::parse(&document.to_string()).expect("a document"));
+    let read = |of: &str| -> [Vec<f64>; 3] { std::array::from_fn(|i| numbers(&pair[of][i])) };
+    let (reference, test) = (read("reference"), read("test"));
+    let (rows, step_s) = (test[0].len(), number(&pair["step_s"]));
+    let time: Vec<f64> = (0..rows).map(|row| row as f64 * step_s).collect();
+    let fit = fit(&document(vec![both("pair", &time, [&reference, &test], &(0..rows))]));
     let mut worst: f64 = 0.0;
     for ((_, of), expected) in fit.axes.iter().zip(list(&pair["fits"])) {
         let iteration = of.drift.iteration.as_ref().expect("an iteration");

@@ -6,8 +6,10 @@ use rayon::prelude::*;
 use crate::answers::{fit, holds};
 use crate::pair_in_time::{Made, columns, document, recording};
 
-/// Parts into which a filter's memory is divided.
-const PARTS: usize = 24;
+/// The ages that a mean over so long has, and those of a low-pass filter.
+fn ages(of: impl Fn(f64) -> f64) -> Vec<f64> {
+    (0..24).map(|part| of((f64::from(part) + 0.5) / 24.0)).collect()
+}
 
 /// The bands of a pair whose test instrument reads the mean of the field at these ages, s.
 fn bands(seed: u64, ages_s: &[f64]) -> DelayBands {
@@ -18,27 +20,13 @@ fn bands(seed: u64, ages_s: &[f64]) -> DelayBands {
     clock.bands.expect("bands")
 }
 
-#[test]
-fn a_running_mean_is_told_with_its_length() {
-    for (seed, length_s) in [(51, 120.0), (52, 150.0)] {
-        let age = |part: usize| length_s * (part as f64 + 0.5) / PARTS as f64;
-        let found = bands(seed, &(0..PARTS).map(age).collect::<Vec<f64>>());
-        assert_eq!(found.form, DelayForm::Average, "{found:?}");
-        let told = found.average_s.expect("a length");
-        println!("{told:?} for {length_s} s");
-        // Three uncertainties, and what one frequency for an octave leaves out.
-        assert!((told.value() / length_s - 1.0).abs() < 0.05, "{told:?} for {length_s} s");
-    }
-}
-
 /// The interval of the length, over pairs. FLUXCAL_CAMPAIGNS sets how many.
 #[test]
 fn the_length_of_a_running_mean_has_an_interval_that_holds() {
     let count = testkit::campaigns(4);
     let inside = (0..count).into_par_iter().filter(|seed| {
         let length_s = 90.0 + 15.0 * (seed % 6) as f64;
-        let age = |part: usize| length_s * (part as f64 + 0.5) / PARTS as f64;
-        let found = bands(100 + seed, &(0..PARTS).map(age).collect::<Vec<f64>>());
+        let found = bands(100 + seed, &ages(|share| length_s * share));
         let told = found.average_s.unwrap_or_default();
         println!("{told} for {length_s} s");
         told.std().is_some() && holds(&told, length_s)
@@ -51,8 +39,7 @@ fn the_length_of_a_running_mean_has_an_interval_that_holds() {
 #[test]
 fn a_low_pass_filter_and_none_are_no_running_means() {
     for seed in [53, 54] {
-        let age = |part: usize| -60.0 * (1.0 - (part as f64 + 0.5) / PARTS as f64).ln();
-        let found = bands(seed, &(0..PARTS).map(age).collect::<Vec<f64>>());
+        let found = bands(seed, &ages(|share| -60.0 * (1.0 - share).ln()));
         assert!(found.average_s.is_none() && found.form == DelayForm::LowPass, "{found:?}");
         let found = bands(seed, &[0.0]);
         assert!(found.average_s.is_none() && found.form == DelayForm::Constant, "{found:?}");

@@ -10,7 +10,6 @@ mod drift_reference;
 mod filters;
 mod fourteen;
 mod fourteen_covariance;
-mod fourteen_reference;
 mod golden;
 mod help;
 mod housekeeping;

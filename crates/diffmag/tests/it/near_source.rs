@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use noise::Stream;
 
 use crate::answers::found;
-use crate::pair_in_time::{columns, document, recording};
+use crate::pair_in_time::{both, document};
 
 const ROWS: usize = 20_000;
 /// The share of the near source that is in the test instrument's z.
@@ -33,10 +33,8 @@ fn a_matrix_by_least_squares_has_its_own_covariance() {
         })
     };
     let (reference, test) = (made(1.0), made(SHARE));
-    let mut all = columns("reference", &reference, &(0..ROWS));
-    all.extend(columns("test", &test, &(0..ROWS)));
     let time: Vec<f64> = (0..ROWS).map(|row| row as f64).collect();
-    let found = found(&document(vec![recording("pair", &time, all)]), false);
+    let found = found(&document(vec![both("pair", &time, [&reference, &test], &(0..ROWS))]), false);
     let fit = found.fit.expect("a fit");
     for (axis, of) in fit.axes.iter() {
         assert!(of.left_nt() <= of.rms_of_levels_nt.expect("told"), "{axis}: {of:?}");

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-use common::{Column, Document, Recording, procedure};
+use common::{Axis, Column, Document, Recording, procedure};
 use noise::Stream;
 
 /// η of the pairs.
@@ -130,19 +130,25 @@ impl Made {
 
     /// Both instruments in one recording.
     pub fn both(&self, id: &str, rows: Range<usize>) -> Recording {
-        let mut all = columns("reference", &self.read("reference"), &rows);
-        all.extend(columns("test", &self.read("test"), &rows));
-        recording(id, &self.time(&rows), all)
+        both(id, &self.time(&rows), [&self.read("reference"), &self.read("test")], &rows)
     }
+}
+
+/// Reference and test instrument in one recording.
+pub fn both(
+    id: &str,
+    time: &[f64],
+    [reference, test]: [&[Vec<f64>; 3]; 2],
+    rows: &Range<usize>,
+) -> Recording {
+    let all = [columns("reference", reference, rows), columns("test", test, rows)];
+    recording(id, time, all.concat())
 }
 
 /// Columns of an instrument by their names.
 pub fn columns(name: &str, read: &[Vec<f64>; 3], rows: &Range<usize>) -> Vec<(String, Vec<f64>)> {
-    ["x", "y", "z"]
-        .iter()
-        .zip(read)
-        .map(|(axis, column)| (format!("{name}_{axis}_nt"), column[rows.clone()].to_vec()))
-        .collect()
+    let of = |axis: usize| (format!("{name}_{}_nt", Axis::ALL[axis]), read[axis][rows.clone()].to_vec());
+    (0..3).map(of).collect()
 }
 
 pub fn recording(id: &str, time: &[f64], columns: Vec<(String, Vec<f64>)>) -> Recording {

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use testkit::reference::{list, number, numbers, reference};
 
 use crate::answers::{Said, Sums, elements, fit, found, holds, outside, over};
-use crate::pair_in_time::{document, recording};
+use crate::pair_in_time::{both, document, recording};
 
 const ROWS: usize = 4320;
 const STEP_S: f64 = 60.0;
@@ -148,12 +148,10 @@ fn declared_noise_puts_back_what_it_pulled() {
         let shares = over(name, campaigns(), |seed| {
             // Declared with an error of 5 % in the noise.
             let factor = 1.0 + 0.05 * Stream::new(seed, "declaration").normal();
+            let Noise { white_rms_nt, flicker_nt2_per_hz_at_1hz: flicker, .. } = scene.reference;
             let declared = Noise {
-                white_rms_nt: scene.reference.white_rms_nt.map(|white| white * factor),
-                flicker_nt2_per_hz_at_1hz: scene
-                    .reference
-                    .flicker_nt2_per_hz_at_1hz
-                    .map(|a| a * factor * factor),
+                white_rms_nt: white_rms_nt.map(|white| white * factor),
+                flicker_nt2_per_hz_at_1hz: flicker.map(|a| a * factor * factor),
                 relative_std: Some(0.05),
                 ..Noise::default()
             };
@@ -246,18 +244,14 @@ fn rows(value: &Value) -> Vec<Vec<f64>> {
 #[test]
 fn orthogonal_distance_regression_of_scipy() {
     let expected = reference("diffmag_reference_noise");
-    let (reference, test) = (rows(&expected["reference"]), rows(&expected["test"]));
+    let read = |of: &str| -> [Vec<f64>; 3] { rows(&expected[of]).try_into().expect("three axes") };
+    let (reference, test) = (read("reference"), read("test"));
     let step_s = number(&expected["step_s"]);
     let time: Vec<f64> = (0..test[0].len()).map(|row| row as f64 * step_s).collect();
-    let mut recording = recording("pair", &time, Vec::new());
+    let mut recording = both("pair", &time, [&reference, &test], &(0..time.len()));
     let noise = numbers(&expected["reference_white_rms_nt"]);
-    let mut declared = PerAxis::default();
-    for axis in Axis::ALL {
-        let i = axis.index();
-        recording.columns.insert(format!("reference_{axis}_nt"), reference[i].clone().into());
-        recording.columns.insert(format!("test_{axis}_nt"), test[i].clone().into());
-        *declared.entry(axis) = Some(Noise { white_rms_nt: Some(noise[i]), ..Noise::default() });
-    }
+    let of = |axis: Axis| Noise { white_rms_nt: Some(noise[axis.index()]), ..Noise::default() };
+    let declared = Axis::ALL.map(|axis| (axis, of(axis))).into_iter().collect();
     recording.conditions.reference_noise = Some(common::NoiseOfSensors::Each(Box::new(declared)));
     let found = found(&document(vec![recording]), false);
     let (matrix, covariance) = (found.matrix.expect("a matrix"), found.covariance.expect("a covariance"));

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use common::{EventKind, KeptOutEvent};
 use noise::{Stream, power_law};
 
-use crate::pair_in_time::{ETA, columns, document, recording};
+use crate::pair_in_time::{ETA, both, document};
 
 const ROWS: usize = 86_400;
 const MAIN_NT: [f64; 3] = [20_800.0, 700.0, 47_500.0];
@@ -29,8 +29,7 @@ fn between(stream: &mut Stream, low: f64, high: f64) -> f64 {
 
 /// About the mean.
 fn rms(values: &[f64]) -> f64 {
-    let middle = estimate::stats::mean(values);
-    (values.iter().map(|value| (value - middle).powi(2)).sum::<f64>() / values.len() as f64).sqrt()
+    estimate::stats::rms(&paired::residual::centred(values))
 }
 
 /// A step of the test instrument.
@@ -158,9 +157,8 @@ impl Score {
         self.days += 1;
         let day = Day::new(seed);
         let time: Vec<f64> = (0..ROWS).map(|row| row as f64).collect();
-        let mut all = columns("reference", &day.reference, &(0..ROWS));
-        all.extend(columns("test", &day.test, &(0..ROWS)));
-        let run = diffmag::run(document(vec![recording("day", &time, all)]), &diffmag::Options::default());
+        let recording = both("day", &time, [&day.reference, &day.test], &(0..ROWS));
+        let run = diffmag::run(document(vec![recording]), &diffmag::Options::default());
         let fit = match run {
             Ok(document) => document.calibration.and_then(|c| c.differential?.fit).expect("a fit"),
             Err(error) => return self.failed.push(format!("{seed}: {error}")),

@@ -1,13 +1,16 @@
 //! One pass against pieces, batches, gaps and holes, and against numbers from outside.
 
-use diffmag::stream::{Batch, Error, Grid, Partial, Statistics, StreamFit, answer};
+use common::{Axis, DifferentialCalibration};
+use diffmag::stream::{Error, Partial, Statistics, answer};
 use noise::Stream;
-use partial::{Error as Fault, Partial as _, merge, parse, to_line};
+use partial::{Error as Fault, Partial as _, Take, merge, parse, to_line};
 use serde_json::Value;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::ops::Range;
-use testkit::reference::{list, number, numbers, reference};
+use testkit::reference::{list, number, reference};
+
+use crate::answers::elements;
 
 /// Time, reference and test.
 pub struct Series {
@@ -65,19 +68,18 @@ fn series(rows: usize, first_s: f64, seed: u64) -> Series {
 
 impl Series {
     fn push(&self, statistics: &mut Statistics, rows: Range<usize>) -> Result<(), Error> {
-        let [x, y, z, u, v, w] = self.columns.each_ref().map(|column| &column[rows.clone()]);
-        statistics.push(&Batch { time_s: &self.time_s[rows], reference_nt: [x, y, z], test_nt: [u, v, w] })
+        let columns = std::iter::once(&self.time_s).chain(&self.columns);
+        statistics.push(&columns.map(|column| &column[rows.clone()]).collect::<Vec<_>>())
     }
 
     /// Rows in batches.
     pub fn partial(&self, rows: Range<usize>, batch: usize) -> Partial {
-        let grid = Grid { step_s: 1.0, half: false };
-        let mut statistics = Statistics::on(grid);
+        let mut statistics = Statistics::every(Some(1.0));
         let end = rows.end;
         for from in rows.step_by(batch) {
             self.push(&mut statistics, from..(from + batch).min(end)).expect("good rows");
         }
-        statistics.finish()
+        statistics.finish().expect("a piece")
     }
 
     fn without(mut self, rows: Range<usize>) -> Self {
@@ -88,7 +90,7 @@ impl Series {
 }
 
 /// All numbers of an answer with their places.
-fn places(fit: &StreamFit) -> Vec<(String, f64)> {
+fn places(found: &DifferentialCalibration) -> Vec<(String, f64)> {
     fn walk(path: String, value: &Value, all: &mut Vec<(String, f64)>) {
         match value {
             Value::Number(number) => all.push((path, number.as_f64().expect("a number"))),
@@ -100,7 +102,7 @@ fn places(fit: &StreamFit) -> Vec<(String, f64)> {
         }
     }
     let mut all = Vec::new();
-    walk(String::new(), &serde_json::to_value(fit).expect("JSON"), &mut all);
+    walk(String::new(), &serde_json::to_value(found).expect("JSON"), &mut all);
     all
 }
 
@@ -112,7 +114,7 @@ fn same(one: &Partial, other: &Partial) -> Result<(), String> {
 
 /// The greatest difference of two answers, of each number relative to the largest of its list: a vector is
 /// held at its own length.
-fn apart(one: &StreamFit, other: &StreamFit) -> (f64, String) {
+fn apart(one: &DifferentialCalibration, other: &DifferentialCalibration) -> (f64, String) {
     let list = |path: &str| match (path.rfind('['), path.rfind(']')) {
         (Some(from), Some(to)) => path[..from].to_string() + &path[to..],
         _ => path.to_string(),
@@ -181,7 +183,7 @@ fn holes_between_pieces_are_those_within_one() {
     let joined = merge(pieces.to_vec()).expect("no overlap");
     assert_eq!((joined.absent, joined.gaps), (0, 0), "another piece may fill the hole");
     let closed = answer(&joined).expect("an answer");
-    assert_eq!((closed.absent, closed.gaps), (964, 1));
+    assert_eq!(closed.fit.expect("a fit").missing, 964);
     assert_eq!(same(&whole.partial(0..8036, 999), &joined), Ok(()));
 }
 
@@ -211,7 +213,7 @@ fn wrong_pieces_are_refused() {
 fn wrong_rows_are_told_by_their_number() {
     let mut series = series(300, 0.0, 1);
     let push = |series: &Series| {
-        let mut statistics = Statistics::on(Grid { step_s: 1.0, half: false });
+        let mut statistics = Statistics::every(Some(1.0));
         series.push(&mut statistics, 0..100).and_then(|()| series.push(&mut statistics, 100..300))
     };
     series.time_s[150] = 150.45;
@@ -220,7 +222,7 @@ fn wrong_rows_are_told_by_their_number() {
     assert!(matches!(push(&series), Err(Error::Piece(Fault::Backwards { row: 150, .. }))));
     series.time_s[150] = f64::NAN;
     assert!(matches!(push(&series), Err(Error::Piece(Fault::NoTime { row: 150 }))));
-    assert_eq!(Statistics::new().finish(), Partial::default());
+    assert_eq!(Statistics::default().finish(), Ok(Partial::default()));
 }
 
 #[test]
@@ -232,15 +234,15 @@ fn numpy_has_the_same() {
     let series =
         Series { time_s: with_holes(&reference["time_s"]), columns: columns.try_into().expect("six") };
     let partial = series.partial(0..series.time_s.len(), 1000);
-    let fit = answer(&partial).expect("an answer");
+    let fit = answer(&partial).expect("an answer").fit.expect("a fit");
     let mut worst: [f64; 3] = [0.0; 3];
-    for (axis, expected) in fit.axes.iter().zip(list(&reference["axes"])) {
-        let (eta, std) = (numbers(&expected["eta"]), numbers(&expected["std"]));
-        for i in 0..3 {
-            worst[0] = worst[0].max((axis.least_squares[i].value - eta[i]).abs());
-            worst[1] = worst[1].max((axis.least_squares[i].std / std[i] - 1.0).abs());
-        }
-        worst[2] = worst[2].max((axis.rms_nt / number(&expected["rms_nt"]) - 1.0).abs());
+    for (name, i, j) in elements() {
+        let (expected, element) = (&reference["axes"][j], &fit.elements[&name]);
+        let of = |key: &str| number(&expected[key][i]);
+        worst[0] = worst[0].max((element.least_squares - of("eta")).abs());
+        worst[1] = worst[1].max((element.std_independent / of("std") - 1.0).abs());
+        let rms_nt = fit.axes.get(Axis::ALL[j]).expect("an axis").rms_nt;
+        worst[2] = worst[2].max((rms_nt / number(&expected["rms_nt"]) - 1.0).abs());
     }
     let pieces = [0..311, 311..1400, 1400..series.time_s.len()].map(|rows| series.partial(rows, 1000));
     assert_eq!(same(&partial, &merge(pieces.to_vec()).expect("no overlap")), Ok(()));

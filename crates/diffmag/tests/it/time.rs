@@ -1,7 +1,7 @@
 //! Recordings put together by their times, what is kept out of a fit, and the clocks. FLUXCAL_CAMPAIGNS sets
 //! how many campaigns.
 
-use common::{Axis, DifferentialCalibration, Document, EventInstrument, EventKind};
+use common::{Axis, DifferentialCalibration, EventInstrument, EventKind};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -283,25 +283,4 @@ fn the_clock_is_found_and_corrected() {
             assert!(share(&shares, key) >= least - slack, "{key} of {offset_s} s, {rate_ppm} ppm");
         }
     }
-}
-
-/// With the clock in the model, what the document predicts is what was read.
-#[test]
-fn a_corrected_clock_goes_to_the_model() {
-    let made = Made { offset_s: 40.0, rate_ppm: 20.0, ..Made::new(8) };
-    let recorded = document(vec![made.both("pair", 0..made.rows)]);
-    let found = diffmag::run(recorded, &diffmag::Options { correct_clock: true }).expect("fitted");
-    let predicted = simulate::replay(&found, None).expect("predicted").document;
-    let series = |document: &Document| document.recordings[0].column("test_x_nt").expect("readings").to_vec();
-    let squares = |document: &Document| -> f64 {
-        // The first and last rows were never read by the other clock.
-        series(&found).iter().zip(series(document)).skip(5).take(4300).map(|(a, b)| (a - b).powi(2)).sum()
-    };
-    let rms = |document: &Document| (squares(document) / 4300.0).sqrt();
-    let without =
-        simulate::replay(&Document { model: None, ..found.clone() }, None).expect("predicted").document;
-    println!("{} nT, without its clock {} nT", rms(&predicted), rms(&without));
-    // Noise of both instruments, and what interpolation between samples misses; the clock itself moves
-    // readings by ten times as much.
-    assert!(rms(&predicted) < 0.2 * rms(&without) && rms(&without) > 10.0 * made.white_nt);
 }

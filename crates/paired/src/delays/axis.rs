@@ -6,14 +6,13 @@ use common::DelayBand;
 use estimate::periodogram::periodogram;
 use estimate::spectral::{Transform, weighted};
 use estimate::spectrum::{Spectrum, welch};
-use estimate::stats;
 use rayon::prelude::*;
 
 use super::offset::Offset;
 use crate::Error;
-use crate::look::{Look, Parts};
+use crate::look::Look;
 use crate::noise::Noise;
-use crate::residual::rest;
+use crate::residual::{centred, rest};
 use joined::Pair;
 
 /// Where the coefficient follows by less than this share, no delay is seen.
@@ -48,10 +47,10 @@ impl Heard {
 /// One axis with the reference moved aside, where it is, and to the other side. What it shows is made anew
 /// for each question: it is many times as large as the readings.
 pub struct OfAxis<'a> {
-    pairs: &'a [Pair; 3],
-    look: &'a Look,
-    axis: usize,
-    aside_s: f64,
+    pub pairs: &'a [Pair; 3],
+    pub look: &'a Look,
+    pub axis: usize,
+    pub aside_s: f64,
 }
 
 /// What one axis says of a delay.
@@ -78,7 +77,6 @@ struct Tapered {
 }
 
 impl Tapered {
-    /// The fit under noise of this density.
     fn seen(&self, density: &(dyn Fn(f64) -> f64 + Sync)) -> Result<Seen, Error> {
         let weights = self.transforms[1][2].weights(self.step_s, density);
         let fit = |at: usize| {
@@ -105,12 +103,7 @@ pub struct OfBand {
     pub gain: Offset,
 }
 
-impl<'a> OfAxis<'a> {
-    /// Of pairs whose reference is moved by `aside_s` to either side, the one that is not in the middle.
-    pub fn of(pairs: &'a [Pair; 3], look: &'a Look, axis: usize, aside_s: f64) -> Self {
-        Self { pairs, look, axis, aside_s }
-    }
-
+impl OfAxis<'_> {
     fn noise(&self) -> &Noise {
         &self.look.axes[self.axis].noise
     }
@@ -119,27 +112,23 @@ impl<'a> OfAxis<'a> {
         self.pairs[1].step_s
     }
 
-    fn parts(&self, at: usize) -> Parts {
+    fn parts(&self, at: usize) -> [Vec<f64>; 3] {
         self.look.parts(&self.pairs[at], self.axis)
     }
 
-    /// All rows.
     fn all(&self) -> Tapered {
         let rows = 0..self.pairs[1].whole.len();
-        self.tapered(&rows, |at| {
-            let Parts { late, turned, left } = self.parts(at);
-            [late, turned, left]
-        })
+        self.tapered(&rows, |at| self.parts(at))
     }
 
     /// Some rows, of which `cut` gives −dB/dt, the field and what is left at each place of the reference.
     fn tapered(&self, rows: &Range<usize>, cut: impl Fn(usize) -> [Vec<f64>; 3]) -> Tapered {
-        let taper = Taper::new(rows.len());
+        let (taper, wider) = taper(rows.len());
         let mut here = <[Vec<f64>; 3]>::default();
         // One after the other, and of the series only those where the reference is are kept.
         let transforms = std::array::from_fn(|at| {
-            let mut series = cut(at);
-            series.iter_mut().for_each(|values| taper.taper(values));
+            let mut series = cut(at).map(|values| centred(&values));
+            series.iter_mut().for_each(|of| of.iter_mut().zip(&taper).for_each(|(value, w)| *value *= w));
             let transforms = series.each_ref().map(|values| Transform::of(values));
             if at == 1 {
                 here = series;
@@ -147,7 +136,7 @@ impl<'a> OfAxis<'a> {
             transforms
         });
         let [late, turned, left] = here;
-        let (wider, aside_s, step_s) = (taper.wider, self.aside_s, self.step_s());
+        let (aside_s, step_s) = (self.aside_s, self.step_s());
         Tapered { transforms, columns: [late, turned], left, wider, aside_s, step_s }
     }
 
@@ -159,12 +148,9 @@ impl<'a> OfAxis<'a> {
     /// What is left of the offset in each of some parts of the rows, under their own noise: a disturbed part
     /// knows less.
     pub fn in_parts(&self, parts: &[Range<usize>], heard: &Heard) -> Result<Vec<Option<Offset>>, Error> {
-        let whole: [Parts; 3] = std::array::from_fn(|at| self.parts(at));
+        let whole: [[Vec<f64>; 3]; 3] = std::array::from_fn(|at| self.parts(at));
         let of_part = |rows: &Range<usize>| {
-            let cut = |at: usize| {
-                let Parts { late, turned, left } = &whole[at];
-                [late, turned, left].map(|values| values[rows.clone()].to_vec())
-            };
+            let cut = |at: usize| whole[at].each_ref().map(|values| values[rows.clone()].to_vec());
             let tapered = self.tapered(rows, cut);
             let first = tapered.seen(&|f| heard.density(self.noise(), f))?;
             let noise = Noise::seen(&first.left, &self.pairs[1].part(rows.clone()))?;
@@ -207,28 +193,15 @@ impl Seen {
 }
 
 /// A taper of mean square one, and how many times as wide as without it uncertainties are.
-struct Taper {
-    weights: Vec<f64>,
-    wider: f64,
-}
-
-impl Taper {
-    fn new(rows: usize) -> Self {
-        let reach = (TAPERED * rows as f64).max(1.0);
-        let of = |row: usize| {
-            let end = (row.min(rows - 1 - row) as f64 + 0.5) / reach;
-            if end < 1.0 { (0.5 * std::f64::consts::PI * end).sin().powi(2) } else { 1.0 }
-        };
-        let mut weights: Vec<f64> = (0..rows).map(of).collect();
-        let power = |n: i32| weights.iter().map(|w| w.powi(n)).sum::<f64>() / rows as f64;
-        let (squares, fourths) = (power(2), power(4));
-        weights.iter_mut().for_each(|w| *w /= squares.sqrt());
-        Self { weights, wider: (fourths / squares.powi(2)).sqrt() }
-    }
-
-    /// Makes a series less its mean go to zero at its ends.
-    fn taper(&self, values: &mut [f64]) {
-        let middle = stats::mean(values);
-        values.iter_mut().zip(&self.weights).for_each(|(value, w)| *value = w * (*value - middle));
-    }
+fn taper(rows: usize) -> (Vec<f64>, f64) {
+    let reach = (TAPERED * rows as f64).max(1.0);
+    let of = |row: usize| {
+        let end = (row.min(rows - 1 - row) as f64 + 0.5) / reach;
+        if end < 1.0 { (0.5 * std::f64::consts::PI * end).sin().powi(2) } else { 1.0 }
+    };
+    let mut weights: Vec<f64> = (0..rows).map(of).collect();
+    let power = |n: i32| weights.iter().map(|w| w.powi(n)).sum::<f64>() / rows as f64;
+    let (squares, fourths) = (power(2), power(4));
+    weights.iter_mut().for_each(|w| *w /= squares.sqrt());
+    (weights, (fourths / squares.powi(2)).sqrt())
 }

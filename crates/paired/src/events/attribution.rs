@@ -1,44 +1,14 @@
 //! The instrument that an event belongs to.
 
-use common::EventInstrument;
+use common::{EventInstrument, EventKind};
 use estimate::stats;
+
+use super::found::{FoundEvent, parts};
 
 /// An instrument is ruled out when what it does not explain is so improbable …
 const RULED_OUT: f64 = 1e-3;
 /// … beyond this share of the whole, which an error of η explains.
 const OF_ETA: f64 = 1e-6;
-
-/// An event of one instrument's axis.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Source {
-    pub instrument: EventInstrument,
-    pub axis: usize,
-    /// nT.
-    pub size: f64,
-    /// nT.
-    pub std: f64,
-}
-
-impl Source {
-    /// Its size in each of the differences: of the reference −η times its own.
-    pub fn parts(&self, eta: &[[f64; 3]]) -> Vec<f64> {
-        parts(self.instrument, self.axis, eta)
-    }
-
-    /// Its size over the uncertainty.
-    pub fn z(&self) -> f64 {
-        self.size / self.std
-    }
-}
-
-fn parts(instrument: EventInstrument, own: usize, eta: &[[f64; 3]]) -> Vec<f64> {
-    let part = |(axis, eta): (usize, &[f64; 3])| match instrument {
-        EventInstrument::Reference => -eta[own],
-        _ if axis == own => 1.0,
-        _ => 0.0,
-    };
-    eta.iter().enumerate().map(part).collect()
-}
 
 /// Size and uncertainty of what the differences share in the proportions `parts`.
 fn shared(sizes: &[(f64, f64)], parts: &[f64]) -> (f64, f64) {
@@ -53,38 +23,43 @@ fn shared(sizes: &[(f64, f64)], parts: &[f64]) -> (f64, f64) {
 /// The largest event in sizes and uncertainties of the three differences: the reference's where the other
 /// differences have it in the proportions of η and one axis of the test instrument does not explain it, the
 /// test instrument's where it is the other way about or neither does.
-fn largest(sizes: &[(f64, f64)], eta: &[[f64; 3]]) -> Source {
+fn largest(sizes: &[(f64, f64)], eta: &[[f64; 3]], (kind, row): (EventKind, usize)) -> FoundEvent {
+    let event =
+        |instrument, axis, (size, std)| FoundEvent { kind, instrument, axis, from: row, to: row, size, std };
     let z: Vec<f64> = sizes.iter().map(|(size, std)| size / std).collect();
     let axis = (0..z.len()).fold(0, |a, b| if z[b].abs() > z[a].abs() { b } else { a });
     let all: f64 = z.iter().map(|z| z * z).sum();
     let limit = stats::chi_squared_quantile(1.0 - RULED_OUT, 2.0) + OF_ETA * all;
-    let (size, std) = sizes[axis];
-    let test = Source { instrument: EventInstrument::Test, axis, size, std };
-    let reference = (0..3)
-        .map(|own| {
-            let (size, std) = shared(sizes, &parts(EventInstrument::Reference, own, eta));
-            Source { instrument: EventInstrument::Reference, axis: own, size, std }
-        })
-        .max_by(|a, b| a.z().abs().total_cmp(&b.z().abs()));
-    let explains = |source: &Source| all - source.z().powi(2) < limit;
+    let test = event(EventInstrument::Test, axis, sizes[axis]);
+    let of_reference = |own: usize| {
+        let parts = parts(EventInstrument::Reference, own, eta);
+        event(EventInstrument::Reference, own, shared(sizes, &parts))
+    };
+    let reference = (0..3).map(of_reference).max_by(|a, b| a.z().abs().total_cmp(&b.z().abs()));
+    let explains = |event: &FoundEvent| all - event.z().powi(2) < limit;
     match reference.filter(explains) {
-        Some(_) if explains(&test) => Source { instrument: EventInstrument::Either, ..test },
+        Some(_) if explains(&test) => FoundEvent { instrument: EventInstrument::Either, ..test },
         Some(reference) => reference,
         None => test,
     }
 }
 
-/// The events that sizes and uncertainties of the three differences speak of, each of at least `least`
-/// uncertainties beside the ones before it.
-pub fn sources(mut sizes: Vec<(f64, f64)>, least: f64, eta: &[[f64; 3]]) -> Vec<Source> {
-    let mut found: Vec<Source> = Vec::new();
+/// The events of a kind at a row that sizes and uncertainties of the three differences speak of, each of at least
+/// `least` uncertainties beside the ones before it.
+pub fn sources(
+    mut sizes: Vec<(f64, f64)>,
+    least: f64,
+    eta: &[[f64; 3]],
+    at: (EventKind, usize),
+) -> Vec<FoundEvent> {
+    let mut found: Vec<FoundEvent> = Vec::new();
     while found.len() < sizes.len() && sizes.iter().any(|(size, std)| (size / std).abs() >= least) {
-        let source = largest(&sizes, eta);
-        if found.iter().any(|known| (known.instrument, known.axis) == (source.instrument, source.axis)) {
+        let event = largest(&sizes, eta, at);
+        if found.iter().any(|known| known.source() == event.source()) {
             break;
         }
-        sizes.iter_mut().zip(source.parts(eta)).for_each(|((size, _), part)| *size -= part * source.size);
-        found.push(source);
+        sizes.iter_mut().zip(event.parts(eta)).for_each(|((size, _), part)| *size -= part * event.size);
+        found.push(event);
     }
     found
 }
@@ -97,13 +72,13 @@ mod tests {
 
     #[test]
     fn each_instrument_is_recognised() {
-        let of_reference = sources(vec![(-9.0, 0.1), (4.0, 0.1), (0.0, 0.1)], 5.0, &ETA);
-        assert_eq!(of_reference.len(), 1);
-        assert_eq!((of_reference[0].instrument, of_reference[0].axis), (EventInstrument::Reference, 0));
-        assert!((of_reference[0].size - 10.0).abs() < 1e-9, "{of_reference:?}");
-        let of_test = sources(vec![(0.05, 0.1), (4.0, 0.1), (-3.0, 0.1)], 5.0, &ETA);
-        let named: Vec<_> = of_test.iter().map(|source| (source.instrument, source.axis)).collect();
-        assert_eq!(named, [(EventInstrument::Test, 1), (EventInstrument::Test, 2)]);
-        assert!(sources(vec![(0.3, 0.1), (-0.2, 0.1), (0.0, 0.1)], 5.0, &ETA).is_empty());
+        let named = |sizes: [f64; 3]| -> Vec<(EventInstrument, usize, f64)> {
+            let found = sources(sizes.map(|size| (size, 0.1)).to_vec(), 5.0, &ETA, (EventKind::Spike, 0));
+            found.iter().map(|event| (event.instrument, event.axis, event.size.round())).collect()
+        };
+        assert_eq!(named([-9.0, 4.0, 0.0]), [(EventInstrument::Reference, 0, 10.0)]);
+        let both = [(EventInstrument::Test, 1, 4.0), (EventInstrument::Test, 2, -3.0)];
+        assert_eq!(named([0.05, 4.0, -3.0]), both);
+        assert!(named([0.3, -0.2, 0.0]).is_empty());
     }
 }

@@ -2,14 +2,14 @@
 
 use common::{EventInstrument, EventKind};
 
-use crate::look::{Shift, late_s};
+use crate::look::{Moved, Shift, aligned, late_s};
 use joined::Pair;
 
 /// An event whose size under the final fit is below so many of its uncertainties is none.
 pub const CONFIRMED: f64 = 4.0;
 
 /// An event of the recording, on the test instrument's clock.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FoundEvent {
     /// What it is.
     pub kind: EventKind,
@@ -25,8 +25,6 @@ pub struct FoundEvent {
     pub size: f64,
     /// nT.
     pub std: f64,
-    /// Size over uncertainty.
-    pub z: f64,
 }
 
 impl FoundEvent {
@@ -37,6 +35,38 @@ impl FoundEvent {
             _ => self.axis..self.axis + 1,
         }
     }
+
+    /// Size over uncertainty.
+    pub fn z(&self) -> f64 {
+        self.size / self.std
+    }
+
+    /// The instrument, as a number, and its axis.
+    pub(super) fn source(&self) -> (usize, usize) {
+        (self.instrument as usize, self.axis)
+    }
+
+    /// Its size in each of the differences for a size of one.
+    pub(super) fn parts(&self, eta: &[[f64; 3]]) -> Vec<f64> {
+        parts(self.instrument, self.axis, eta)
+    }
+
+    /// The difference that shows it most, and its size there.
+    pub(super) fn shown(&self, eta: &[[f64; 3]]) -> (usize, f64) {
+        let parts = self.parts(eta);
+        let axis = (0..parts.len()).fold(0, |a, b| if parts[b].abs() > parts[a].abs() { b } else { a });
+        (axis, parts[axis] * self.size)
+    }
+}
+
+/// What an event of an instrument's axis is in each of the differences: of the reference −η.
+pub(super) fn parts(instrument: EventInstrument, own: usize, eta: &[[f64; 3]]) -> Vec<f64> {
+    let part = |(axis, eta): (usize, &[f64; 3])| match instrument {
+        EventInstrument::Reference => -eta[own],
+        _ if axis == own => 1.0,
+        _ => 0.0,
+    };
+    eta.iter().enumerate().map(part).collect()
 }
 
 /// All events of a recording.
@@ -62,7 +92,7 @@ impl Events {
         let mut confirmed = Self { found: Vec::new(), ..self.clone() };
         for (event, kept) in self.found.iter().zip(kept) {
             if *kept {
-                confirmed.found.push(event.clone());
+                confirmed.found.push(*event);
             } else {
                 confirmed.unconfirmed[usize::from(event.kind != EventKind::Step)] += 1;
             }
@@ -104,6 +134,11 @@ impl Events {
         self.found.iter().map(place).collect()
     }
 
+    /// The pair without its events, the reference moved to the test instrument's moments.
+    pub fn aligned(&self, pair: &Pair, shift: Shift) -> Pair {
+        aligned(self.taken_out(pair, shift), shift, Moved::Reference)
+    }
+
     /// The pair without its events: steps taken off, the rows of the others missing. The reference's own rows
     /// are earlier by `shift`.
     pub fn taken_out(&self, pair: &Pair, shift: Shift) -> Pair {
@@ -128,9 +163,8 @@ impl Events {
             };
             column[from..].iter_mut().for_each(|value| *value -= event.size);
             for axis in event.axes(pair.test.len()) {
-                if !pair.steps[axis].contains(&event.from) {
-                    pair.steps[axis].push(event.from);
-                    pair.step_stds[axis].push(event.std);
+                if !pair.steps[axis].iter().any(|(row, _)| *row == event.from) {
+                    pair.steps[axis].push((event.from, event.std));
                 }
             }
         }

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use common::EventKind;
 use estimate::events::{Shape, threshold};
 
-use super::attribution::{Source, sources};
+use super::attribution::sources;
 use super::found::{Events, FoundEvent};
 use super::levels::{LONGEST, Levels, Net, PASS, levelled};
-use super::step::{Step, standing};
-use super::view::{Peak, Place, View};
+use super::step::{self, Step};
+use super::view::{Peak, View};
+use crate::look::Look;
 use crate::noise::Noise;
 use crate::{Error, axes};
 use joined::Pair;
@@ -55,16 +56,11 @@ struct Search {
     reassigned: BTreeSet<usize>,
 }
 
-/// The events of differences `left` by a pair's matrix `eta`; those that are `known` are where the search
-/// begins.
-pub fn search(
-    left: Vec<Vec<f64>>,
-    eta: Vec<[f64; 3]>,
-    pair: &Pair,
-    mut noise: Vec<Noise>,
-    known: &Events,
-) -> Result<Events, Error> {
-    let mut search = Search::of(left, eta, pair, known);
+/// The events of what a look leaves of a pair whose instruments are at the same moments; of that pair no
+/// readings are needed any more. The search begins with those that are `known`.
+pub fn search(left: Vec<Vec<f64>>, pair: &Pair, look: &Look, known: &Events) -> Result<Events, Error> {
+    let mut noise: Vec<Noise> = look.axes.iter().map(|axis| axis.noise.clone()).collect();
+    let mut search = Search::of(left, look, pair, known);
     let least = threshold(pair.whole.len(), FALSE_ALARM / search.left.len() as f64);
     let (mut more, mut last) = (true, None::<View>);
     for look in 0..LOOKS {
@@ -90,19 +86,20 @@ pub fn search(
     Ok(search.events(more))
 }
 
-/// The same events without the steps that no other part of the series would show, in what a look beside them
-/// leaves: one without them had taken some of each for field or drift.
-pub fn standing_of(left: Vec<Vec<f64>>, eta: Vec<[f64; 3]>, pair: &Pair, found: &Events) -> Events {
-    let mut search = Search::of(left, eta, pair, found);
+/// Those of these events that are disturbances, or steps that last in what a look beside them leaves and that other
+/// parts of the series do not show: a look without them had taken some of each for field or drift.
+pub fn standing(left: Vec<Vec<f64>>, pair: &Pair, look: &Look, found: &Events) -> Events {
+    let mut search = Search::of(left, look, pair, found);
     search.confirm();
     search.events(found.more)
 }
 
 impl Search {
-    fn of(left: Vec<Vec<f64>>, eta: Vec<[f64; 3]>, pair: &Pair, known: &Events) -> Self {
+    /// With events that are known.
+    fn of(left: Vec<Vec<f64>>, look: &Look, pair: &Pair, known: &Events) -> Self {
         let mut search = Self {
             left,
-            eta,
+            eta: look.axes.iter().map(|axis| axis.eta).collect(),
             steps: Vec::new(),
             disturbed: Vec::new(),
             out: pair.whole.iter().map(|whole| !whole).collect(),
@@ -110,28 +107,23 @@ impl Search {
             spent: BTreeSet::new(),
             reassigned: BTreeSet::new(),
         };
-        search.begin(known);
-        search
-    }
-
-    /// Takes over events that are known.
-    fn begin(&mut self, known: &Events) {
         for event in &known.found {
             if event.kind == EventKind::Step {
-                let (_, after) = self.run(event.from);
-                self.steps.push(Step::of(event, after.max(event.from)));
+                let (_, after) = search.run(event.from);
+                search.steps.push(Step { event: *event, after: after.max(event.from) });
             } else {
-                self.out[event.from..=event.to].fill(true);
-                self.disturbed.push(event.clone());
+                search.out[event.from..=event.to].fill(true);
+                search.disturbed.push(*event);
             }
         }
+        search
     }
 
     /// The state: which rows are disturbed, and where the steps are.
     fn key(&self) -> Key {
         let disturbed = self.disturbed.iter().map(|event| (event.from, event.to)).collect();
         let mut steps: Vec<(usize, usize)> =
-            self.steps.iter().map(|step| (step.row, step.source.axis)).collect();
+            self.steps.iter().map(|step| (step.row(), step.event.axis)).collect();
         steps.sort_unstable();
         (disturbed, steps)
     }
@@ -140,9 +132,9 @@ impl Search {
     fn cleaned(&self) -> Vec<Vec<f64>> {
         let mut series = self.left.clone();
         for step in &self.steps {
-            let parts = step.source.parts(&self.eta);
+            let parts = step.event.parts(&self.eta);
             for (series, part) in series.iter_mut().zip(parts).filter(|(_, part)| *part != 0.0) {
-                series[step.row..].iter_mut().for_each(|value| *value -= part * step.source.size);
+                series[step.row()..].iter_mut().for_each(|value| *value -= part * step.event.size);
             }
         }
         series.into_iter().map(|series| levelled(series, &self.out)).collect()
@@ -151,20 +143,18 @@ impl Search {
     /// Gives steps between readings the sizes of all together; whether they had them.
     fn refined(&mut self, view: &View) -> bool {
         let (eta, out) = (&self.eta, &self.out);
-        let mut steps: Vec<&mut Step> =
-            self.steps.iter_mut().filter(|step| step.sharp() && !out[step.row]).collect();
+        let steps = self.steps.iter_mut().filter(|step| step.sharp() && !out[step.row()]);
+        let mut steps: Vec<&mut FoundEvent> = steps.map(|step| &mut step.event).collect();
         if steps.is_empty() {
             return true;
         }
-        let places: Vec<Place> =
-            steps.iter().map(|step| Place { row: step.row, parts: step.source.parts(eta) }).collect();
+        let places: Vec<(usize, Vec<f64>)> = steps.iter().map(|step| (step.from, step.parts(eta))).collect();
         let Some(sizes) = view.sizes(&places) else { return true };
         let mut settled = true;
         for (step, (more, std)) in steps.iter_mut().zip(sizes) {
             settled &= more.abs() <= SETTLED * std;
-            step.source.size += more;
-            step.source.std = std;
-            step.z = step.source.z();
+            step.size += more;
+            step.std = std;
         }
         settled
     }
@@ -172,29 +162,27 @@ impl Search {
     /// Gives the steps between readings to their instruments, now that the others are known; whether they had
     /// them already.
     fn attributed(&mut self, view: &View, least: f64) -> bool {
-        let mut rows: Vec<usize> =
-            self.steps.iter().filter(|step| step.sharp()).map(|step| step.row).collect();
+        let mut rows: Vec<usize> = self.steps.iter().filter(|step| step.sharp()).map(Step::row).collect();
         rows.retain(|row| !self.reassigned.contains(row));
         rows.sort_unstable();
         rows.dedup();
-        let place = |step: &Step| (step.source.instrument as usize, step.source.axis);
         let mut same = true;
         for row in rows {
-            let here = |step: &Step| step.row == row && step.after == row;
+            let here = |step: &Step| step.row() == row && step.sharp();
+            let own = || self.steps.iter().filter(|step| here(step)).map(|step| &step.event);
             let mut sizes = view.sizes_at(Shape::Step, row);
-            for step in self.steps.iter().filter(|step| here(step)) {
-                let parts = step.source.parts(&self.eta);
-                sizes.iter_mut().zip(parts).for_each(|((size, _), part)| *size += part * step.source.size);
+            for event in own() {
+                let parts = event.parts(&self.eta);
+                sizes.iter_mut().zip(parts).for_each(|((size, _), part)| *size += part * event.size);
             }
-            let of = |source: Source| Step { row, after: row, source, z: source.z() };
-            let again: Vec<Step> = sources(sizes, least, &self.eta).into_iter().map(of).collect();
-            let mut known: Vec<_> = self.steps.iter().filter(|step| here(step)).map(place).collect();
-            let mut found: Vec<_> = again.iter().map(place).collect();
+            let again = sources(sizes, least, &self.eta, (EventKind::Step, row));
+            let mut known: Vec<_> = own().map(FoundEvent::source).collect();
+            let mut found: Vec<_> = again.iter().map(FoundEvent::source).collect();
             known.sort_unstable();
             found.sort_unstable();
             if known != found {
                 self.steps.retain(|step| !here(step));
-                self.steps.extend(again);
+                self.steps.extend(again.into_iter().map(Step::between));
                 self.reassigned.insert(row);
                 same = false;
             }
@@ -225,7 +213,7 @@ impl Search {
     fn taken(&self, peaks: &[Peak]) -> Vec<Peak> {
         let mut known: Vec<(usize, usize)> =
             self.disturbed.iter().map(|event| (event.from, event.to)).collect();
-        known.extend(self.steps.iter().map(|step| (step.row.saturating_sub(1), step.after)));
+        known.extend(self.steps.iter().map(|step| (step.row().saturating_sub(1), step.after)));
         let near = |peak: &Peak, (from, to): (usize, usize)| peak.row + NEAR >= from && peak.row <= to + NEAR;
         let mut taken: Vec<Peak> = Vec::new();
         // Peaks in a chain from what is known on belong to it.
@@ -261,43 +249,24 @@ impl Search {
         // First and last row that is out (the last is before the first for a step), and the peak that stands
         // for them.
         let mut sites: Vec<(usize, usize, Option<FoundEvent>)> = Vec::new();
-        let mut fresh: Vec<(usize, Step)> = Vec::new();
-        for peak in peaks {
-            let found = view.sources(*peak, least, &self.eta);
-            if peak.shape == Shape::Spike && self.step_beside(peak.row, &found) {
+        let mut fresh: Vec<Step> = Vec::new();
+        for Peak { shape, row, .. } in peaks.iter().copied() {
+            let kind = if shape == Shape::Step { EventKind::Step } else { EventKind::Spike };
+            let found = sources(view.sizes_at(shape, row), least, &self.eta, (kind, row));
+            if shape == Shape::Spike && self.step_beside(row, &found) {
                 continue;
             }
-            if peak.shape == Shape::Step {
-                fresh.extend(found.iter().map(|source| {
-                    (peak.row, Step { row: peak.row, after: peak.row, source: *source, z: source.z() })
-                }));
-            }
-            let strongest = found.first().map(|source| FoundEvent {
-                kind: EventKind::Spike,
-                instrument: source.instrument,
-                axis: source.axis,
-                from: peak.row,
-                to: peak.row,
-                size: source.size,
-                std: source.std,
-                z: source.z(),
-            });
-            match peak.shape {
-                Shape::Step => sites.push((peak.row, peak.row - 1, strongest)),
-                Shape::Spike => sites.push((peak.row, peak.row, strongest)),
+            sites.push((row, if shape == Shape::Step { row - 1 } else { row }, found.first().copied()));
+            if shape == Shape::Step {
+                fresh.extend(found.into_iter().map(Step::between));
             }
         }
         sites.extend(self.disturbed.drain(..).map(|event| (event.from, event.to, Some(event))));
-        sites.extend(
-            self.steps
-                .iter()
-                .filter(|step| step.sharp())
-                .map(|step| (step.row, step.row - 1, Some(step.found(EventKind::Spike)))),
-        );
-        sites.sort_by_key(|(from, to, _)| (*from, *to));
         let mut steps = std::mem::take(&mut self.steps);
-        steps.retain(|step| step.sharp());
-        steps.extend(fresh.into_iter().map(|(_, step)| step));
+        steps.retain(Step::sharp);
+        sites.extend(steps.iter().map(|step| (step.row(), step.row() - 1, Some(step.event))));
+        sites.sort_by_key(|(from, to, _)| (*from, *to));
+        steps.extend(fresh);
         let mut sites = sites.into_iter().peekable();
         while let Some((from, to, strongest)) = sites.next() {
             let (mut last, mut alone, mut strongest) = (to, true, strongest);
@@ -307,18 +276,16 @@ impl Search {
                 alone &= (next, until) == (from, to);
                 last = last.max(until);
                 let above = |other: &&FoundEvent| {
-                    strongest.as_ref().is_none_or(|known| other.z.abs() > known.z.abs())
+                    strongest.as_ref().is_none_or(|known| other.z().abs() > known.z().abs())
                 };
-                if let Some(other) = other.as_ref().filter(above) {
-                    strongest = Some(other.clone());
-                }
+                strongest = other.filter(|other| above(&other)).or(strongest);
             }
             let is_step = last + 1 == from;
             if alone && is_step {
                 // On a row that is out already, it is a step across all of these.
                 let (row, after) = self.run(from);
-                let mut own: Vec<Step> = steps.iter().filter(|step| step.row == from).copied().collect();
-                own.dedup_by_key(|step| (step.source.instrument as usize, step.source.axis));
+                let mut own: Vec<Step> = steps.iter().filter(|step| step.row() == from).copied().collect();
+                own.dedup_by_key(|step| step.event.source());
                 if row == after {
                     self.steps.extend(own);
                 }
@@ -335,20 +302,17 @@ impl Search {
 
     /// Moves a step by the row in which a spike of much of its size is left: it stood one row too early or
     /// too late.
-    fn step_beside(&mut self, row: usize, spikes: &[Source]) -> bool {
+    fn step_beside(&mut self, row: usize, spikes: &[FoundEvent]) -> bool {
         let much = |step: &Step, sign: f64| {
             spikes.iter().any(|spike| {
-                (spike.instrument, spike.axis) == (step.source.instrument, step.source.axis)
-                    && sign * spike.size / step.source.size > MUCH
+                spike.source() == step.event.source() && sign * spike.size / step.event.size > MUCH
             })
         };
         for step in self.steps.iter_mut().filter(|step| step.sharp()) {
-            if step.row == row && much(step, -1.0) {
-                (step.row, step.after) = (row + 1, row + 1);
-                return true;
-            }
-            if step.row == row + 1 && much(step, 1.0) {
-                (step.row, step.after) = (row, row);
+            let later = step.row() == row && much(step, -1.0);
+            if later || step.row() == row + 1 && much(step, 1.0) {
+                let to = if later { row + 1 } else { row };
+                *step = Step::between(FoundEvent { from: to, to, ..step.event });
                 return true;
             }
         }
@@ -390,31 +354,26 @@ impl Search {
                 net.map_or((0.0, f64::INFINITY), |net| (net.size, net.std))
             };
             let sizes = levels.iter().map(size).collect();
-            let found = sources(sizes, PROVISIONAL, &self.eta);
-            self.steps.extend(found.into_iter().map(|source| Step {
-                row: from,
-                after,
-                source,
-                z: source.z(),
-            }));
+            let found = sources(sizes, PROVISIONAL, &self.eta, (EventKind::Step, from));
+            self.steps.extend(found.into_iter().map(|event| Step { event, after }));
         }
     }
 
     /// Steps that together lead back are a pass, and the rows between them are disturbed: of steps that are
     /// each between two readings where too few rows lie between the first and the last to be a level.
     fn returns(&mut self) {
-        let shown = |step: &Step| step.shown(&self.eta);
+        let shown = |step: &Step| step.event.shown(&self.eta);
         let back = |steps: &[Step]| {
             let (first, last) = (&steps[0], &steps[steps.len() - 1]);
             let reach = if steps.iter().all(Step::sharp) { LONGEST } else { PASS };
             let sum: f64 = steps.iter().map(|step| shown(step).1).sum();
-            let variance: f64 = steps.iter().map(|step| step.source.std.powi(2)).sum();
+            let variance: f64 = steps.iter().map(|step| step.event.std.powi(2)).sum();
             shown(first).0 == shown(last).0
-                && last.row - first.row <= reach
+                && last.row() - first.row() <= reach
                 && sum.abs() <= ALIKE * variance.sqrt()
         };
         let mut steps = std::mem::take(&mut self.steps);
-        steps.sort_by_key(|step| (shown(step).0, step.row));
+        steps.sort_by_key(|step| (shown(step).0, step.row()));
         let mut rest = steps.as_slice();
         while let [first, later @ ..] = rest {
             let Some(count) = (2..=MOST_OF_PASS.min(rest.len())).find(|count| back(&rest[..*count])) else {
@@ -423,11 +382,10 @@ impl Search {
                 continue;
             };
             let last = &rest[count - 1];
-            let Source { instrument, axis, size, std } = first.source;
-            let (from, to) = (first.row, last.after.max(last.row + 1) - 1);
+            let (from, to) = (first.row(), last.after.max(last.row() + 1) - 1);
             let kind = if from == to { EventKind::Spike } else { EventKind::Interval };
             self.out[from..=to].fill(true);
-            self.disturbed.push(FoundEvent { kind, instrument, axis, from, to, size, std, z: first.z });
+            self.disturbed.push(FoundEvent { kind, from, to, ..first.event });
             rest = &rest[count..];
         }
     }
@@ -437,9 +395,9 @@ impl Search {
     fn confirm(&mut self) {
         let series = self.cleaned();
         let spans: Vec<f64> = self.left.iter().map(|left| span(left, &self.out)).collect();
-        let stands = standing(&series, &self.eta, &self.out, &self.steps);
+        let stands = step::standing(&series, &self.eta, &self.out, &self.steps);
         let kept = self.steps.iter().zip(stands).filter(|(step, stands)| {
-            let (axis, removed) = step.shown(&self.eta);
+            let (axis, removed) = step.event.shown(&self.eta);
             *stands && removed.abs() <= spans[axis]
         });
         self.steps = kept.map(|(step, _)| *step).collect();
@@ -447,7 +405,7 @@ impl Search {
 
     fn events(self, more: bool) -> Events {
         let mut found = self.disturbed;
-        found.extend(self.steps.iter().map(|step| step.found(EventKind::Step)));
+        found.extend(self.steps.iter().map(|step| step.event));
         found.sort_by_key(|event| (event.from, event.axis, event.kind == EventKind::Step));
         Events { found, more, ..Events::default() }
     }

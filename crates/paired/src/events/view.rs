@@ -4,7 +4,6 @@ use estimate::events::{Search, Shape};
 use estimate::positive::Positive;
 use faer::Mat;
 
-use super::attribution::{Source, sources};
 use super::local::{Far, Near};
 use crate::noise::Noise;
 use crate::{Error, axes};
@@ -16,12 +15,6 @@ pub struct Peak {
     pub row: usize,
     /// Size over the uncertainty under the noise of the whole series: shapes and rows are compared by it.
     pub z: f64,
-}
-
-/// A step at a row, as it shows in the differences.
-pub struct Place {
-    pub row: usize,
-    pub parts: Vec<f64>,
 }
 
 /// The filters of the differences.
@@ -104,32 +97,25 @@ impl View {
         self.searches.iter().zip(&self.wider).map(of).collect()
     }
 
-    /// The events at a peak.
-    pub fn sources(&self, peak: Peak, least: f64, eta: &[[f64; 3]]) -> Vec<Source> {
-        sources(self.sizes_at(peak.shape, peak.row), least, eta)
-    }
-
-    /// What each of some steps is to grow by, all together, and its standard uncertainty; None where they
-    /// cannot be told apart.
-    pub fn sizes(&self, steps: &[Place]) -> Option<Vec<(f64, f64)>> {
+    /// What each of some steps (rows, and parts in the differences) is to grow by, all together, and its standard
+    /// uncertainty; None where they cannot be told apart.
+    pub fn sizes(&self, steps: &[(usize, Vec<f64>)]) -> Option<Vec<(f64, f64)>> {
         let count = steps.len();
         let product = |i: usize, j: usize| -> f64 {
-            let (a, b) = (&steps[i], &steps[j]);
-            let parts = a.parts.iter().zip(&b.parts).zip(&self.searches);
-            parts.map(|((a_part, b_part), search)| a_part * b_part * search.products(a.row, b.row)).sum()
+            let ((a, a_parts), (b, b_parts)) = (&steps[i], &steps[j]);
+            let parts = a_parts.iter().zip(b_parts).zip(&self.searches);
+            parts.map(|((a_part, b_part), search)| a_part * b_part * search.products(*a, *b)).sum()
         };
         let inverse = Positive::of(&Mat::from_fn(count, count, product)).ok()?.inverse;
-        let along: Vec<f64> = steps
-            .iter()
-            .map(|step| {
-                let parts = step.parts.iter().zip(&self.searches);
-                parts.map(|(part, search)| part * search.score(Shape::Step, step.row)).sum()
-            })
-            .collect();
+        let along = |(row, parts): &(usize, Vec<f64>)| -> f64 {
+            let parts = parts.iter().zip(&self.searches);
+            parts.map(|(part, search)| part * search.score(Shape::Step, *row)).sum()
+        };
+        let along: Vec<f64> = steps.iter().map(along).collect();
         let size = |i: usize| -> f64 { (0..count).map(|j| inverse[(i, j)] * along[j]).sum() };
-        let wider = |step: &Place| {
-            let shown = step.parts.iter().zip(&self.wider).filter(|(part, _)| **part != 0.0);
-            shown.map(|(_, wider)| wider.at(Shape::Step, step.row)).fold(0.0, f64::max)
+        let wider = |(row, parts): &(usize, Vec<f64>)| {
+            let shown = parts.iter().zip(&self.wider).filter(|(part, _)| **part != 0.0);
+            shown.map(|(_, wider)| wider.at(Shape::Step, *row)).fold(0.0, f64::max)
         };
         Some((0..count).map(|i| (size(i), inverse[(i, i)].sqrt() * wider(&steps[i]))).collect())
     }

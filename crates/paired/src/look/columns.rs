@@ -24,13 +24,11 @@ pub fn drifts(pair: &Pair) -> impl Iterator<Item = Vec<f64>> {
     std::iter::once_with(|| pair.days()).chain(shares.iter().map(exponential))
 }
 
-/// The reference's axes and the drifts.
 pub fn beside(pair: &Pair) -> impl Iterator<Item = Cow<'_, [f64]>> {
     let reference = pair.reference.iter().map(|column| Cow::Borrowed(column.as_slice()));
     reference.chain(drifts(pair).map(Cow::Owned))
 }
 
-/// The field Rη along an axis.
 pub fn turned<C: AsRef<[f64]>>(reference: &[C; 3], eta: &[f64; 3]) -> Vec<f64> {
     let [x, y, z] = reference.each_ref().map(AsRef::as_ref);
     x.iter().zip(y).zip(z).map(|((x, y), z)| eta[0] * x + eta[1] * y + eta[2] * z).collect()
@@ -40,11 +38,8 @@ pub fn turned<C: AsRef<[f64]>>(reference: &[C; 3], eta: &[f64; 3]) -> Vec<f64> {
 /// s.
 pub fn clock_columns(pair: &Pair, rate: &[f64]) -> [Vec<f64>; 2] {
     let late: Vec<f64> = rate.iter().map(|rate| -rate).collect();
-    let fast = late
-        .iter()
-        .enumerate()
-        .map(|(row, late)| late * pair.since_middle_of_segment_s(row) * 1e-6)
-        .collect();
+    let fast = |(row, late): (usize, &f64)| late * pair.since_middle_of_segment_s(row) * 1e-6;
+    let fast = late.iter().enumerate().map(fast).collect();
     [late, fast]
 }
 

@@ -5,25 +5,18 @@ use common::{Axis, Code, Finding, TransferBand, TransferBands};
 
 use super::LONG_S;
 use crate::words::p_of_one;
-use paired::TOLD_BELOW;
-use paired::significance::p_of;
+use paired::{TOLD_BELOW, p_of};
 
-/// One element in one band.
 struct Element<'a> {
     band: &'a TransferBand,
     value: f64,
     std: f64,
 }
 
-/// Of Z.
 pub fn findings(found: &TransferBands) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let few: Vec<String> = found
-        .bands
-        .iter()
-        .filter(|band| !band.tested)
-        .map(|band| format!("{} ({})", periods(band), significant(band.freedom, 2)))
-        .collect();
+    let told = |band: &TransferBand| format!("{} ({})", periods(band), significant(band.freedom, 2));
+    let few: Vec<String> = found.bands.iter().filter(|band| !band.tested).map(told).collect();
     if !few.is_empty() {
         let words = format!("period bands with too few degrees of freedom to be tested: {}", few.join(", "));
         findings.push(Code::TooFewDegreesOfFreedom.said(words));

@@ -1,39 +1,27 @@
 //! The closed form, for plain numbers and for numbers with a derivative alike.
 
+use common::Magnetometer;
 use nalgebra::{Matrix3, Vector3};
 use physics::Real;
 
-use super::known::{KnownAxes, KnownFive};
-use super::pair::{Pair, axis, cross, dot};
+use super::pair::Pair;
 
 /// The reference: β (rad), Z_r, K_xr/K_yr and K_zr/K_yr.
-struct Reference<T: Real> {
-    beta: T,
-    z: Vector3<T>,
-    ratios: [T; 2],
-}
+type Reference<T> = (T, Vector3<T>, [T; 2]);
 
-/// The pair that has this η and the known values.
-pub(super) fn solve(eta: &Matrix3<f64>, known: &KnownFive) -> Pair {
-    of(eta, &known.axes, &known.values())
-}
-
-/// The same of η and the five values (in the order of their covariance) as any kind of number; `kind` says
-/// what the first three values are.
-pub(super) fn of<T: Real>(eta: &Matrix3<T>, kind: &KnownAxes, values: &[T; 5]) -> Pair<T> {
+/// The pair that has this η and the five values that are known of one of its instruments.
+pub(super) fn solve<T: Real>(eta: &Matrix3<T>, known: Magnetometer, values: &[T; 5]) -> Pair<T> {
     let [a, b, c, x_y, z_y] = *values;
-    let ratios = [x_y, z_y];
-    let reference = match kind {
-        KnownAxes::Reference(_) => Reference { beta: b, z: axis(a, c), ratios },
-        KnownAxes::ReferenceTilts(_) => Reference { beta: c, z: upright(a, b), ratios },
-        KnownAxes::Test(_) => reference_from_test(eta, [a, b, c], ratios),
-    };
-    let mut pair = test_from_reference(eta, &reference);
-    if let KnownAxes::Test(_) = kind {
-        // Equal already, up to rounding.
-        (pair.ratios[3], pair.ratios[4]) = (x_y, z_y);
+    match known {
+        Magnetometer::Reference => test_from_reference(eta, &(c, upright(a, b), [x_y, z_y])),
+        Magnetometer::Test => {
+            let reference = reference_from_test(eta, [a, b, c], [x_y, z_y]);
+            let mut pair = test_from_reference(eta, &reference);
+            // Equal already, up to rounding.
+            (pair.ratios[3], pair.ratios[4]) = (x_y, z_y);
+            pair
+        }
     }
-    pair
 }
 
 /// The unit vector with the horizontal part (x, y) and a positive vertical part.
@@ -54,55 +42,34 @@ fn reference_from_test<T: Real>(eta: &Matrix3<T>, [xy, yz, xz]: [T; 3], ratios: 
     let columns: [Vector3<T>; 3] = std::array::from_fn(|j| eta.column(j).into_owned());
     // η⁻ᵀ has the columns (η_k × η_l)/det η; the sign of det η falls out of G.
     let cofactors: [Vector3<T>; 3] =
-        std::array::from_fn(|j| cross(&columns[(j + 1) % 3], &columns[(j + 2) % 3]));
-    let determinant = dot(&columns[0], &cofactors[0]);
+        std::array::from_fn(|j| columns[(j + 1) % 3].cross(&columns[(j + 2) % 3]));
+    let determinant = columns[0].dot(&cofactors[0]);
     let one = T::from(1.0);
     let factors = [ratios[0], one, ratios[1]];
-    let cosines = [[one, xy, xz], [xy, one, yz], [xz, yz, one]];
+    let cosines = [[one, xy, xz], [xy, one, yz], [xz, yz, one]].map(Vector3::from);
     // Row i of η⁻ᵀ diag(q).
     let rows: [Vector3<T>; 3] =
         std::array::from_fn(|i| Vector3::from_fn(|j, _| cofactors[j][i] * factors[j] / determinant));
-    let g = |i: usize, k: usize| {
-        let across = Vector3::from_fn(|j, _| dot(&Vector3::from(cosines[j]), &rows[k]));
-        dot(&rows[i], &across)
-    };
+    let g = |i: usize, k: usize| rows[i].dot(&Vector3::from_fn(|j, _| cosines[j].dot(&rows[k])));
     let lengths: [T; 3] = std::array::from_fn(|i| g(i, i).sqrt());
     let sin_beta = g(0, 1) / (lengths[0] * lengths[1]);
     let toward_y = g(1, 2) / (lengths[1] * lengths[2]);
     let beta = sin_beta.asin();
     let toward_x = (g(0, 2) / (lengths[0] * lengths[2]) - sin_beta * toward_y) / beta.cos();
-    Reference {
-        beta,
-        z: upright(toward_x, toward_y),
-        ratios: [lengths[0] / lengths[1], lengths[2] / lengths[1]],
-    }
+    (beta, upright(toward_x, toward_y), [lengths[0] / lengths[1], lengths[2] / lengths[1]])
 }
 
 /// The rows of ηᵀ M_r, in units of K_yr, are K_tj × test axis j.
-fn test_from_reference<T: Real>(eta: &Matrix3<T>, reference: &Reference<T>) -> Pair<T> {
-    let Reference { beta, z, ratios } = reference;
+fn test_from_reference<T: Real>(eta: &Matrix3<T>, (beta, z, ratios): &Reference<T>) -> Pair<T> {
     let zero = T::from(0.0);
     let rows = [
         Vector3::new(beta.cos(), beta.sin(), zero) * ratios[0],
         Vector3::new(zero, T::from(1.0), zero),
         z * ratios[1],
     ];
-    let columns = Matrix3::from_fn(|component, axis| rows[axis][component]);
     let vectors: [Vector3<T>; 3] = std::array::from_fn(|j| {
         let weights = eta.column(j).into_owned();
-        Vector3::from_fn(|component, _| dot(&columns.row(component).transpose(), &weights))
+        Vector3::from_fn(|component, _| Vector3::from_fn(|axis, _| rows[axis][component]).dot(&weights))
     });
-    let lengths = vectors.each_ref().map(|vector| dot(vector, vector).sqrt());
-    let unit = |j: usize| vectors[j].map(|component| component / lengths[j]);
-    Pair {
-        beta: *beta,
-        axes: [*z, unit(0), unit(1), unit(2)],
-        ratios: [
-            lengths[0] / ratios[0],
-            ratios[0],
-            ratios[1],
-            lengths[0] / lengths[1],
-            lengths[2] / lengths[1],
-        ],
-    }
+    Pair::beside((*beta, *z, *ratios), &vectors)
 }

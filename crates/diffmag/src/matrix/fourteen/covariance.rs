@@ -4,24 +4,17 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use num_dual::Dual64;
 
-use super::closed;
-use super::known::{KnownAxes, KnownFive, LOOSE_RAD};
-use super::pair::Pair;
-use super::parameters::{ANGLES, BETA, EtaCovariance, Fourteen, NAMES, RATIOS};
+use super::pair::{ANGLES, BETA, Pair, RATIOS};
+use super::{EtaCovariance, Fourteen, KnownFive, NAMES, closed};
 
 /// π/√3, rad: the standard deviation of an azimuth that may be any.
 pub const UNDETERMINED_RAD: f64 = 1.813_799_364_234_217_8;
 
+/// An azimuth no better than this is beyond propagation to first order, rad: its axis is within four of its
+/// standard uncertainties of the vertical.
+const LOOSE_RAD: f64 = 0.25;
 /// An axis this near to the vertical has lost its azimuth to rounding.
 const POLE: f64 = 1e-12;
-
-/// Derivatives of the fourteen parameters and of the horizontal parts of the four axes by the nine elements
-/// of η and the five known values.
-struct Derivatives {
-    parameters: SMatrix<f64, 14, 14>,
-    horizontal: [SMatrix<f64, 2, 14>; 4],
-    cosines: SMatrix<f64, 6, 14>,
-}
 
 /// The parameters of `pair`, found from η and what is known, with their covariance J Σ Jᵀ.
 ///
@@ -38,58 +31,22 @@ pub(super) fn propagate(
     let mut given = SMatrix::<f64, 14, 14>::zeros();
     given.fixed_view_mut::<9, 9>(0, 0).copy_from(eta_covariance);
     given.fixed_view_mut::<5, 5>(9, 9).copy_from(&known.covariance);
-
-    let derivatives = derivatives(pair, eta, known);
-    let jacobian = &derivatives.parameters;
-    let covariance = jacobian * given * jacobian.transpose();
-    let mut covariance = (covariance + covariance.transpose()) * 0.5;
-
-    let mut values = pair.parameters();
-    let mut undetermined = Vec::new();
-    for (k, [azimuth, polar]) in ANGLES.into_iter().enumerate() {
-        if let (0, KnownAxes::Reference([alpha, _, gamma])) = (k, &known.axes) {
-            (values[azimuth], values[polar]) = (*alpha, *gamma);
-            continue;
-        }
-        let lost = pair.axes[k].xy().norm() < POLE;
-        if lost || covariance[(azimuth, azimuth)] > LOOSE_RAD * LOOSE_RAD {
-            for place in [azimuth, polar] {
-                covariance.row_mut(place).fill(0.0);
-                covariance.column_mut(place).fill(0.0);
-            }
-            covariance[(azimuth, azimuth)] = UNDETERMINED_RAD * UNDETERMINED_RAD;
-            let tilt = &derivatives.horizontal[k];
-            covariance[(polar, polar)] = (tilt * given * tilt.transpose()).trace();
-            undetermined.push(NAMES[azimuth]);
-        }
-    }
-    let spread = derivatives.cosines * given * derivatives.cosines.transpose();
-    Fourteen {
-        values,
-        covariance,
-        undetermined,
-        cosines: pair.cosines(),
-        cosine_uncertainties: std::array::from_fn(|k| spread[(k, k)].max(0.0).sqrt()),
-    }
-}
-
-/// One run of the closed form for each given number, that number carrying the derivative.
-fn derivatives(pair: &Pair, eta: &Matrix3<f64>, known: &KnownFive) -> Derivatives {
-    let mut all = Derivatives {
-        parameters: SMatrix::zeros(),
-        horizontal: [SMatrix::zeros(); 4],
-        cosines: SMatrix::zeros(),
-    };
-    for given in 0..14 {
+    // Derivatives by the nine elements of η and the five known values, of the parameters, of the horizontal
+    // parts of the four axes, and of the cosines. One run of the closed form for each given number, that
+    // number carrying the derivative.
+    let mut jacobian = SMatrix::<f64, 14, 14>::zeros();
+    let mut horizontal = [SMatrix::<f64, 2, 14>::zeros(); 4];
+    let mut cosines = SMatrix::<f64, 6, 14>::zeros();
+    for number in 0..14 {
         let mut lifted_eta = eta.map(Dual64::from);
-        let mut lifted_values = known.values().map(Dual64::from);
-        if given < 9 {
-            lifted_eta[given].eps = 1.0;
+        let mut lifted_values = known.values.map(Dual64::from);
+        if number < 9 {
+            lifted_eta[number].eps = 1.0;
         } else {
-            lifted_values[given - 9].eps = 1.0;
+            lifted_values[number - 9].eps = 1.0;
         }
-        let moved = closed::of(&lifted_eta, &known.axes, &lifted_values);
-        let mut column = all.parameters.column_mut(given);
+        let moved = closed::solve(&lifted_eta, known.instrument, &lifted_values);
+        let mut column = jacobian.column_mut(number);
         column[BETA] = moved.beta.eps;
         for (k, ratio) in moved.ratios.iter().enumerate() {
             column[RATIOS + k] = ratio.eps;
@@ -97,17 +54,33 @@ fn derivatives(pair: &Pair, eta: &Matrix3<f64>, known: &KnownFive) -> Derivative
         for (k, [azimuth, polar]) in ANGLES.into_iter().enumerate() {
             let change = moved.axes[k].map(|component| component.eps);
             [column[azimuth], column[polar]] = turn(&pair.axes[k], &change);
-            all.horizontal[k].set_column(given, &change.xy());
+            horizontal[k].set_column(number, &change.xy());
         }
-        all.cosines.set_column(given, &SVector::from(moved.cosines().map(|cosine| cosine.eps)));
-        // Known angles are their own derivative, also where the axis is vertical.
-        if let KnownAxes::Reference(_) = known.axes {
-            let [azimuth, polar] = ANGLES[0];
-            column[azimuth] = if given == 9 { 1.0 } else { 0.0 };
-            column[polar] = if given == 11 { 1.0 } else { 0.0 };
+        cosines.set_column(number, &SVector::from(moved.cosines().map(|cosine| cosine.eps)));
+    }
+    let covariance = jacobian * given * jacobian.transpose();
+    let mut covariance = (covariance + covariance.transpose()) * 0.5;
+    let mut undetermined = Vec::new();
+    for (k, [azimuth, polar]) in ANGLES.into_iter().enumerate() {
+        let lost = pair.axes[k].xy().norm() < POLE;
+        if lost || covariance[(azimuth, azimuth)] > LOOSE_RAD * LOOSE_RAD {
+            for place in [azimuth, polar] {
+                covariance.row_mut(place).fill(0.0);
+                covariance.column_mut(place).fill(0.0);
+            }
+            covariance[(azimuth, azimuth)] = UNDETERMINED_RAD * UNDETERMINED_RAD;
+            covariance[(polar, polar)] = (horizontal[k] * given * horizontal[k].transpose()).trace();
+            undetermined.push(NAMES[azimuth]);
         }
     }
-    all
+    let spread = cosines * given * cosines.transpose();
+    Fourteen {
+        values: pair.parameters(),
+        covariance,
+        undetermined,
+        cosines: pair.cosines(),
+        cosine_uncertainties: std::array::from_fn(|k| spread[(k, k)].max(0.0).sqrt()),
+    }
 }
 
 /// Changes of azimuth and polar angle (rad) of a unit vector a = (x, y, z) that moves by da, with h² = x² +

@@ -3,7 +3,11 @@
 use nalgebra::{Matrix3, Vector3};
 use physics::Real;
 
-use super::parameters::{ANGLES, BETA, RATIOS};
+/// Places among the fourteen of azimuth and polar angle of the reference's z and of the test's x, y and z.
+pub const ANGLES: [[usize; 2]; 4] = [[0, 2], [3, 4], [5, 6], [7, 8]];
+pub const BETA: usize = 1;
+/// Place of the first of the five ratios.
+pub const RATIOS: usize = 9;
 
 /// A pair of instruments, or the derivative of one.
 #[derive(Clone, Debug)]
@@ -17,12 +21,12 @@ pub(super) struct Pair<T: Real = f64> {
 }
 
 impl<T: Real> Pair<T> {
-    /// K_tj/K_yr of the test's three axes.
-    fn test_factors(&self) -> [T; 3] {
-        let [xt_xr, xr_yr, _, xt_yt, zt_yt] = self.ratios;
-        let x = xt_xr * xr_yr;
-        let y = x / xt_yt;
-        [x, y, y * zt_yt]
+    /// Of β, Z_r and the ratios of the reference, and K_tj/K_yr times each axis of the test instrument.
+    pub fn beside((beta, z, [x_y, z_y]): (T, Vector3<T>, [T; 2]), test: &[Vector3<T>; 3]) -> Self {
+        let lengths = test.each_ref().map(|vector| vector.dot(vector).sqrt());
+        let unit = |j: usize| test[j].map(|component| component / lengths[j]);
+        let ratios = [lengths[0] / x_y, x_y, z_y, lengths[0] / lengths[1], lengths[2] / lengths[1]];
+        Self { beta, axes: [z, unit(0), unit(1), unit(2)], ratios }
     }
 
     /// η_ij = K_tj a_j · c_i with c_i the columns of M_r⁻¹: the field for a reading of one on axis i of the
@@ -41,15 +45,17 @@ impl<T: Real> Pair<T> {
         let (sin, cos) = (self.beta.sin(), self.beta.cos());
         let tan = sin / cos;
         let (x_slope, y_slope) = (z[0] / z[2], z[1] / z[2]);
-        let zero = T::from(0.0);
+        let (zero, one) = (T::from(0.0), T::from(1.0));
         let fields = [
             Vector3::new(cos.recip(), zero, -x_slope / cos),
-            Vector3::new(-tan, T::from(1.0), tan * x_slope - y_slope),
+            Vector3::new(-tan, one, tan * x_slope - y_slope),
             Vector3::new(zero, zero, z[2].recip()),
         ];
-        let reference = [self.ratios[1], T::from(1.0), self.ratios[2]];
-        let factors = self.test_factors();
-        Matrix3::from_fn(|i, j| dot(&test[j], &fields[i]) * factors[j] / reference[i])
+        let [xt_xr, xr_yr, zr_yr, xt_yt, zt_yt] = self.ratios;
+        let x = xt_xr * xr_yr;
+        let y = x / xt_yt;
+        let (reference, factors) = ([xr_yr, one, zr_yr], [x, y, y * zt_yt]);
+        Matrix3::from_fn(|i, j| test[j].dot(&fields[i]) * factors[j] / reference[i])
     }
 
     /// Cosines of the angles x·y, y·z, x·z between the reference's axes, then of those between the test's.
@@ -58,19 +64,11 @@ impl<T: Real> Pair<T> {
         let [z_r, x, y, z] = &self.axes;
         let x_r = Vector3::new(self.beta.cos(), self.beta.sin(), zero);
         let y_r = Vector3::new(zero, T::from(1.0), zero);
-        [(&x_r, &y_r), (&y_r, z_r), (&x_r, z_r), (x, y), (y, z), (x, z)].map(|(a, b)| dot(a, b))
+        [(&x_r, &y_r), (&y_r, z_r), (&x_r, z_r), (x, y), (y, z), (x, z)].map(|(a, b)| a.dot(b))
     }
 }
 
 impl Pair {
-    pub fn of_parameters(parameters: &[f64; 14]) -> Self {
-        Self {
-            beta: parameters[BETA],
-            axes: ANGLES.map(|[azimuth, polar]| axis(parameters[azimuth], parameters[polar])),
-            ratios: std::array::from_fn(|k| parameters[RATIOS + k]),
-        }
-    }
-
     /// The fourteen parameters: an axis (x, y, z) has the azimuth atan2(x, y), from y towards x, and the
     /// polar angle atan2(√(x² + y²), z).
     pub fn parameters(&self) -> [f64; 14] {
@@ -88,18 +86,4 @@ impl Pair {
         let axes = self.axes.iter().flat_map(|axis| axis.iter());
         axes.chain(&self.ratios).chain([&self.beta]).all(|value| value.is_finite())
     }
-}
-
-/// (sin φ sin θ, cos φ sin θ, cos θ) of an azimuth φ and a polar angle θ, rad.
-pub(super) fn axis<T: Real>(azimuth: T, polar: T) -> Vector3<T> {
-    let sin = polar.sin();
-    Vector3::new(azimuth.sin() * sin, azimuth.cos() * sin, polar.cos())
-}
-
-pub(super) fn dot<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> T {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-pub(super) fn cross<T: Real>(a: &Vector3<T>, b: &Vector3<T>) -> Vector3<T> {
-    Vector3::new(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 }

@@ -16,13 +16,12 @@ use crate::{Error, alike};
 use joined::Pair;
 use paired::followed::Follows;
 use paired::noise::Noise;
-use paired::residual::{centred, rest, without};
+use paired::residual::{beside, centred, rest, without};
 
 /// The straight drift stands after the reference's axes, what else there is after it.
 const DAYS: usize = 3;
 pub const STRAIGHT: usize = DAYS + 1;
 
-/// The fit of one axis of the test instrument.
 pub struct AxisFit {
     /// Weighted coefficients of the reference's x, y, z (nT/nT), of the straight drift (nT/day), where an
     /// exponential drift is demanded of e^(−t/τ) (nT) and of its derivative with respect to ln τ, of the
@@ -41,9 +40,7 @@ pub struct AxisFit {
     pub freedom: [f64; 3],
     /// How many times as wide as under the noise the uncertainties of η are by what is left itself.
     pub wider: f64,
-    /// Covariance of η with that of each axis; nothing for its own.
     pub across: [[[f64; 3]; 3]; 3],
-    /// What least squares say.
     pub source: Source,
 }
 
@@ -79,7 +76,6 @@ impl AxisFit {
 /// The source's fit: least squares of the reference's axes alone.
 pub struct Source {
     pub fit: SpectralFit,
-    /// Standard deviations of the coefficients by Newey and West.
     pub newey_west: Vec<f64>,
     /// T − R η less its mean, nT.
     pub difference: Vec<f64>,
@@ -101,32 +97,27 @@ pub(super) fn one(
     let columns = &whole.up_to(kept);
     y.truncate(kept);
     let all_steps: Vec<Vec<f64>> = pair.step_columns(axis).collect();
-    let fitted =
-        determined(columns, &all_steps, &pair.step_stds[axis], &plain_noise.errors(&columns.cosine)?)?;
+    let stds: Vec<f64> = pair.steps[axis].iter().map(|(_, std)| *std).collect();
+    let fitted = determined(columns, &all_steps, &stds, &plain_noise.errors(&columns.cosine)?)?;
     let step_transforms: Vec<Vec<f64>> =
         fitted.iter().map(|step| columns.transform(&all_steps[*step])).collect();
     let followed: Vec<&[f64]> =
         follows.iter().flat_map(|follows| &follows.columns).map(Vec::as_slice).collect();
     let own: Vec<Vec<f64>> =
         followed.iter().map(|column| columns.transform(column)).chain(step_transforms).collect();
-    let beside = drift::Beside { own: &own, lines_hz: &seen };
-    let (straight, noise) = columns.straight(&y, &beside)?;
-    let joint = drift::joint(columns, &y, &noise, &beside)?;
+    let own = drift::Beside { own: &own, lines_hz: &seen };
+    let (straight, noise) = columns.straight(&y, &own)?;
+    let joint = drift::joint(columns, &y, &noise, &own)?;
     let demanded = joint.as_ref().filter(|joint| joint.p < drift::LEVEL);
     let drift_columns = demanded.map_or(Vec::new(), |joint| columns.exponential(joint.ln_tau).to_vec());
     let regression = demanded.map_or(&straight, |joint| &joint.regression);
     let mut noise = demanded.map_or(&noise, |joint| &joint.noise).clone();
-    let every: Vec<&[f64]> = base
-        .iter()
-        .copied()
-        .chain(drift_columns.iter().map(Vec::as_slice))
-        .chain(followed.iter().copied())
-        .chain(all_steps.iter().map(Vec::as_slice))
-        .collect();
+    let [drifting, stepping] = [&drift_columns, &all_steps].map(|of| of.iter().map(Vec::as_slice).collect());
+    let every: Vec<&[f64]> = [base, drifting, followed.clone(), stepping].concat();
     // Of the steps only those that are fitted have a place.
     let before_own = STRAIGHT + drift_columns.len();
     let mut places: Vec<Place> = (0..before_own + followed.len()).map(Place::Fitted).collect();
-    places.extend(pair.step_stds[axis].iter().enumerate().map(|(number, std)| {
+    places.extend(stds.iter().enumerate().map(|(number, std)| {
         let place = fitted.iter().position(|known| *known == number);
         place.map_or(Place::Held(*std), |place| Place::Fitted(before_own + followed.len() + place))
     }));
@@ -149,7 +140,7 @@ pub(super) fn one(
     let drifts = follows.is_empty() || found.demanded != DriftForm::None;
     let exponential: Vec<Vec<f64>> = drift_columns.iter().map(|column| columns.transform(column)).collect();
     let exponential: Vec<&[f64]> = exponential.iter().map(Vec::as_slice).collect();
-    let mut all = columns.with(&exponential, &beside);
+    let mut all = columns.with(&exponential, &own);
     if !drifts {
         all.remove(DAYS);
         places = places.iter().map(|place| place.without(DAYS)).collect();
@@ -212,9 +203,7 @@ pub(super) fn one(
 /// quiet, and where the noise is not of the form that is fitted, or the instruments share little, the matrix
 /// by them may leave more than none does. Least squares cannot.
 fn worse_than_levels(left: &[f64], pair: &Pair, axis: usize) -> bool {
-    let (test, reference) = (&pair.test[axis], &pair.reference[axis]);
-    let apart: Vec<f64> = test.iter().zip(reference).map(|(test, reference)| test - reference).collect();
-    let levels = centred(&apart);
+    let levels = centred(&beside(pair, axis));
     dot(left, left) > dot(&levels, &levels)
 }
 

@@ -13,16 +13,13 @@ use joined::Pair;
 
 /// Stretches as long as those of the index K, s.
 const STRETCH_S: f64 = 10_800.0;
-/// A stretch has at least this many samples.
 const LEAST_SAMPLES: usize = 30;
 /// A stretch holds at least so many of the shortest periods that the matrix rests on: twice as many numbers
 /// as η and a line have.
 const PERIODS: f64 = 4.0;
 /// There are at least this many stretches, if need be shorter ones.
 const LEAST_STRETCHES: usize = 16;
-/// The lower half is quiet.
 const QUIET: f64 = 0.5;
-/// The upper quarter is disturbed.
 const DISTURBED: f64 = 0.25;
 /// Less activity than this, disturbed over quiet, is no contrast.
 const CONTRAST: f64 = 2.0;
@@ -86,12 +83,8 @@ pub fn quiet_disturbed(
 
 /// Rms of the reference's first differences, all axes together, nT.
 fn activity(pair: &Pair, rows: &Range<usize>) -> f64 {
-    let squares: f64 = pair
-        .reference
-        .iter()
-        .flat_map(|column| column[rows.clone()].windows(2))
-        .map(|both| (both[1] - both[0]).powi(2))
-        .sum();
+    let changes = pair.reference.iter().flat_map(|column| column[rows.clone()].windows(2));
+    let squares: f64 = changes.map(|both| (both[1] - both[0]).powi(2)).sum();
     (squares / (rows.len() - 1) as f64).sqrt()
 }
 

@@ -21,7 +21,6 @@ const HELD: f64 = 20.5;
 /// offset are in it.
 const TOO_HIGH: f64 = 1e-3;
 
-/// Samples in which nothing is missing.
 pub fn whole(pair: &Pair, rows: &Range<usize>) -> usize {
     pair.whole[rows.clone()].iter().filter(|whole| **whole).count()
 }
@@ -176,7 +175,6 @@ fn inverse(matrix: &Mat<f64>) -> Result<Mat<f64>, Error> {
     Ok(Mat::from_fn(3, 3, |i, k| inverse[(i, k)]))
 }
 
-/// As a document has it.
 pub fn documented(columns: [&Estimate; 3]) -> MatrixEstimate {
     let mut all = MatrixEstimate::default();
     for (axis, estimate) in Axis::ALL.into_iter().zip(columns) {

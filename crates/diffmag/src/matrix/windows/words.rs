@@ -7,7 +7,6 @@ use physics::frames::ARCSEC;
 use crate::words::p_of_one;
 use paired::TOLD_BELOW;
 
-/// Of windows.
 pub fn findings(found: &MatrixWindows) -> Vec<Finding> {
     let mut findings = Vec::new();
     let (moved, trend) = (p_of_one(&found.one_matrix), p_of_one(&found.no_trend));
@@ -35,7 +34,6 @@ pub fn findings(found: &MatrixWindows) -> Vec<Finding> {
     findings
 }
 
-/// Of quiet and disturbed times.
 pub fn quiet_findings(found: &QuietDisturbed) -> Vec<Finding> {
     let (Some(quiet), Some(disturbed), Some(test)) = (&found.quiet, &found.disturbed, &found.one_matrix)
     else {

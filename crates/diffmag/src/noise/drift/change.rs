@@ -38,13 +38,8 @@ fn structure(amplitude: f64, exponent: f64, span_s: f64, step_s: f64) -> f64 {
     // With u = f s = v² the integrand is smooth at zero.
     let end = 0.5 * span_s / step_s;
     let width = end.min(TURNS).sqrt() / POINTS as f64;
-    let slow: f64 = (0..POINTS)
-        .map(|i| {
-            let v = (i as f64 + 0.5) * width;
-            let u = v * v;
-            8.0 * v * u.powf(-exponent) * (PI * u).sin().powi(2) * width
-        })
-        .sum();
+    let part = |v: f64| 8.0 * v * (v * v).powf(-exponent) * (PI * (v * v)).sin().powi(2) * width;
+    let slow: f64 = (0..POINTS).map(|i| part((i as f64 + 0.5) * width)).sum();
     let beyond = exponent - 1.0;
     let fast = match (end / TURNS).ln() {
         octaves if octaves <= 0.0 => 0.0,

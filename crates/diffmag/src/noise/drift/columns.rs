@@ -21,8 +21,6 @@ const SEARCH: f64 = 0.2;
 /// So many coefficients of an exponential are searched: even of the shortest they hold all but 1e-7 of what
 /// white noise lets be known of it.
 const SEARCHED: usize = 1 << 17;
-/// Seconds in a day.
-pub const DAY_S: f64 = 86_400.0;
 
 /// What one axis has besides the columns that all have.
 pub struct Beside<'a> {
@@ -71,7 +69,6 @@ impl<'a> Columns<'a> {
         columns
     }
 
-    /// Length of the recording, s.
     pub fn length_s(&self) -> f64 {
         self.days.len() as f64 * self.pair.step_s
     }
@@ -121,7 +118,6 @@ impl<'a> Columns<'a> {
         self.base().into_iter().chain(others.iter().copied()).chain(own).collect()
     }
 
-    /// Noise of what a regression leaves.
     pub fn noise(&self, regression: &Regression, errors: &Errors, lines_hz: &[f64]) -> Result<Noise, Error> {
         let near = 2.0 / self.length_s();
         let line = |frequency: f64| lines_hz.iter().any(|line| (frequency - line).abs() <= near);

@@ -35,11 +35,9 @@ struct Shape {
 impl Shape {
     /// Root of the sum of squares of what the drift changed by, to first order in ln τ.
     fn moved(&self, before: &Self) -> f64 {
-        let along = Vector3::new(
-            self.linear[0] - before.linear[0],
-            self.linear[1] - before.linear[1],
-            self.linear[1] * (self.ln_tau - before.ln_tau),
-        );
+        let [straight, amplitude] = self.linear;
+        let turned = amplitude * (self.ln_tau - before.ln_tau);
+        let along = Vector3::new(straight - before.linear[0], amplitude - before.linear[1], turned);
         along.dot(&(self.gram * along)).max(0.0).sqrt()
     }
 }
@@ -51,16 +49,12 @@ impl Shape {
 /// Source: DIFF, "linear regression method", the paragraph after eq. 20.
 pub fn iterate(columns: &Columns<'_>, test: &[f64], joint: &Joint) -> Result<IteratedDrift, Error> {
     let sums = Sums::of(columns, test);
-    let inverse = sums.reference.try_inverse().ok_or_else(|| {
-        Error::Unanswerable("the three axes of the reference depend on each other".to_owned())
-    })?;
+    let dependent = || Error::Unanswerable("the three axes of the reference depend on each other".into());
+    let inverse = sums.reference.try_inverse().ok_or_else(dependent)?;
     let mut eta = inverse * sums.test;
     let d = sums.difference(&eta);
-    let mut shape = columns
-        .search()
-        .map(|(ln_tau, _)| sums.at(&d, ln_tau))
-        .max_by(|a, b| a.explained.total_cmp(&b.explained))
-        .unwrap_or_default();
+    let starts = columns.search().map(|(ln_tau, _)| sums.at(&d, ln_tau));
+    let mut shape = starts.max_by(|a, b| a.explained.total_cmp(&b.explained)).unwrap_or_default();
     let (mut rounds, mut settled, mut moved_before) = (0, false, f64::INFINITY);
     while rounds < MOST_ROUNDS && !settled {
         rounds += 1;
@@ -172,17 +166,11 @@ impl Sums {
         let plain_plain = plain_plain - plain * plain / self.rows;
         let plain_slope = 0.5 * twice_plain_slope - plain * slope / self.rows;
         let slope_slope = 0.5 * rate * rows_slope - slope * slope / self.rows;
-        Matrix3::new(
-            self.days_days,
-            days_plain,
-            days_slope,
-            days_plain,
-            plain_plain,
-            plain_slope,
-            days_slope,
-            plain_slope,
-            slope_slope,
-        )
+        Matrix3::from([
+            [self.days_days, days_plain, days_slope],
+            [days_plain, plain_plain, plain_slope],
+            [days_slope, plain_slope, slope_slope],
+        ])
     }
 
     /// b and a for one τ, and the step to a better one.
@@ -204,7 +192,6 @@ impl Sums {
         }
     }
 
-    /// The drift of least squares from a start of τ.
     fn fit(&self, d: &Difference, start: f64, limits: (f64, f64)) -> Shape {
         let step = |(_, shape): &(f64, Shape)| Some(shape.step);
         let above = |(before, shape): &(f64, Shape), ln_tau: f64| {

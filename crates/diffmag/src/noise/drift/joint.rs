@@ -52,26 +52,6 @@ pub fn joint(
     start: &Noise,
     beside: &Beside<'_>,
 ) -> Result<Option<Joint>, Error> {
-    let Some(mut found) = in_band(columns, y, start, beside)? else { return Ok(None) };
-    // Coefficient k is at k/(2 × the length).
-    let enough = (CONFIRMS * columns.length_s() / PI * (-found.ln_tau).exp()).ceil() as usize;
-    let kept = enough.max(LEAST_CONFIRMS);
-    if found.p < LEVEL && kept < y.len() {
-        let own: Vec<Vec<f64>> = beside.own.iter().map(|column| column[..kept].to_vec()).collect();
-        let slow = Beside { own: &own, lines_hz: beside.lines_hz };
-        let errors = found.noise.errors(&columns.cosine)?;
-        let confirmed = Best::of(&columns.up_to(kept), &y[..kept], &errors, &slow, ROUGH)?;
-        found.p = found.p.max(chance(confirmed.score, confirmed.length, found.freedom));
-    }
-    Ok(Some(found))
-}
-
-fn in_band(
-    columns: &Columns<'_>,
-    y: &[f64],
-    start: &Noise,
-    beside: &Beside<'_>,
-) -> Result<Option<Joint>, Error> {
     if columns.search.is_empty() {
         return Ok(None);
     }
@@ -81,10 +61,19 @@ fn in_band(
         let best = Best::of(columns, y, &errors, beside, ROUGH)?;
         noise = columns.noise(&best.regression, &errors, beside.lines_hz)?;
     }
-    let Best { regression, ln_tau, score, length } =
-        Best::of(columns, y, &noise.errors(&columns.cosine)?, beside, ACCURACY)?;
+    let errors = noise.errors(&columns.cosine)?;
+    let Best { regression, ln_tau, score, length } = Best::of(columns, y, &errors, beside, ACCURACY)?;
     let freedom = noise.freedom(&columns.cosine, &regression.influence[4]);
-    let p = chance(score, length, freedom);
+    let mut p = chance(score, length, freedom);
+    // Coefficient k is at k/(2 × the length).
+    let enough = (CONFIRMS * columns.length_s() / PI * (-ln_tau).exp()).ceil() as usize;
+    let kept = enough.max(LEAST_CONFIRMS);
+    if p < LEVEL && kept < y.len() {
+        let own: Vec<Vec<f64>> = beside.own.iter().map(|column| column[..kept].to_vec()).collect();
+        let slow = Beside { own: &own, lines_hz: beside.lines_hz };
+        let confirmed = Best::of(&columns.up_to(kept), &y[..kept], &errors, &slow, ROUGH)?;
+        p = p.max(chance(confirmed.score, confirmed.length, freedom));
+    }
     Ok(Some(Joint { regression, ln_tau, limits: columns.limits(), noise, p, freedom }))
 }
 
@@ -192,7 +181,6 @@ impl Joint {
         })
     }
 
-    /// As a document has it.
     pub fn document(&self) -> JointDrift {
         let (values, covariance) = (self.values(), self.covariance());
         let quantity = |i: usize| Quantity::new(values[i], covariance[(i, i)].sqrt());

@@ -54,35 +54,28 @@ pub struct Spectrum {
 /// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 2.2, here by frequency.
 pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Option<Corrected>, Error> {
     let noise = |frame: &Frame, axis: usize| -> Matrix4<f64> {
-        let mut noise = Matrix4::zeros();
-        for k in 0..3 {
-            noise[(k, k)] = frame
-                .bins()
-                .map(|bin| frame.spectra.freedom[bin] * known.density[k][bin] / frame.density[axis][bin])
-                .sum();
-        }
-        noise
+        let term = |k: usize, bin: usize| {
+            frame.spectra.freedom[bin] * known.density[k][bin] / frame.density[axis][bin]
+        };
+        let of = |k: usize| if k < 3 { frame.bins().map(|bin| term(k, bin)).sum() } else { 0.0 };
+        Matrix4::from_diagonal(&Vector4::from_fn(|k, _| of(k)))
     };
     let too_much =
         |axis: usize| (start.held(axis, start.bins()) - 2.0 * noise(start, axis)).cholesky().is_none();
     if (0..3).any(too_much) {
         return Ok(None);
     }
-    let bread = |frame: &Frame, axis: usize| inverse4(&(frame.held(axis, frame.bins()) - noise(frame, axis)));
-    let frame = settle(pair, start, |frame, i| {
-        Ok(bread(frame, i)? * (frame.left(i, frame.bins()) + noise(frame, i).column(i)))
+    let (frame, breads) = settled(pair, start, |frame, i| {
+        let noise = noise(frame, i);
+        (frame.held(i, frame.bins()) - noise, frame.left(i, frame.bins()) + noise.column(i))
     })?;
-    let breads = [bread(&frame, 0)?, bread(&frame, 1)?, bread(&frame, 2)?];
     let pulled: [Vector4<f64>; 3] = std::array::from_fn(|i| breads[i] * noise(&frame, i).column(i));
     let covariance = frame.of_matrix(|i, l| {
         let mut middle = frame.scatter(i, l, false);
         if i == l {
-            middle[(i, i)] += frame
-                .bins()
-                .map(|bin| {
-                    frame.spectra.freedom[bin] * (known.density[i][bin] / frame.density[i][bin]).powi(2)
-                })
-                .sum::<f64>();
+            let share = |bin: usize| known.density[i][bin] / frame.density[i][bin];
+            let squares = frame.bins().map(|bin| frame.spectra.freedom[bin] * share(bin).powi(2));
+            middle[(i, i)] += squares.sum::<f64>();
         }
         let random = breads[i] * middle * breads[l].transpose();
         random + pulled[i] * pulled[l].transpose() * known.covariance(i, l)
@@ -95,11 +88,24 @@ pub fn by_known(pair: &Pair, start: &Frame, known: &KnownDensity) -> Result<Opti
 ///
 /// Source: W. A. Fuller, Measurement Error Models, Wiley 1987, section 1.4 (instrumental variables).
 pub fn by_third(pair: &Pair, start: &Frame) -> Result<Corrected, Error> {
-    let bread = |frame: &Frame, axis: usize| inverse4(&frame.by_third(axis).0);
-    let frame = settle(pair, start, |frame, i| Ok(bread(frame, i)? * frame.by_third(i).1))?;
-    let breads = [bread(&frame, 0)?, bread(&frame, 1)?, bread(&frame, 2)?];
+    let (frame, breads) = settled(pair, start, Frame::by_third)?;
     let covariance = frame.of_matrix(|i, l| breads[i] * frame.scatter(i, l, true) * breads[l].transpose());
     Ok(Corrected { covariance, frame })
+}
+
+/// The frame in which the equations A δ = b of each axis have nothing left to correct, and A⁻¹ there.
+fn settled(
+    pair: &Pair,
+    start: &Frame,
+    equations: impl Fn(&Frame, usize) -> (Matrix4<f64>, Vector4<f64>),
+) -> Result<(Frame, [Matrix4<f64>; 3]), Error> {
+    let frame = settle(pair, start, |frame, i| {
+        let (a, b) = equations(frame, i);
+        Ok(inverse4(&a)? * b)
+    })?;
+    let bread = |i: usize| inverse4(&equations(&frame, i).0);
+    let breads = [bread(0)?, bread(1)?, bread(2)?];
+    Ok((frame, breads))
 }
 
 /// From two instruments alone: in a band b of frequencies Σ_b ν S_Rv/P = M_b δ − ρ e_i Σ_b ν S_vv/P, with one
@@ -188,14 +194,10 @@ impl Banded {
                 Error::Unanswerable("the noise of the reference cannot be estimated from the spectrum".into())
             })?;
             banded.found = banded.covariance * right;
-            banded.chi_squared = of_band
-                .iter()
-                .zip(&weights)
-                .map(|((_, left, _, design), weight)| {
-                    let rest = left - design * banded.found;
-                    (rest.transpose() * weight * rest)[(0, 0)]
-                })
-                .sum();
+            let rests = of_band.iter().map(|(_, left, _, design)| left - design * banded.found);
+            let squares =
+                rests.zip(&weights).map(|(rest, weight)| (rest.transpose() * weight * rest)[(0, 0)]);
+            banded.chi_squared = squares.sum();
         }
         Ok(banded)
     }

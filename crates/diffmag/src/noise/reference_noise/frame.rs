@@ -59,14 +59,11 @@ impl Frame {
         told: Option<[Vec<f64>; 3]>,
     ) -> Result<Self, Error> {
         let (inverse, days) = (invert(&eta)?, pair.days());
-        let rest: [Vec<f64>; 3] = std::array::from_fn(|i| {
-            (0..days.len())
-                .map(|row| {
-                    let turned: f64 = (0..3).map(|j| pair.test[j][row] * inverse[(j, i)]).sum();
-                    turned - pair.reference[i][row] - drift[i] * days[row]
-                })
-                .collect()
-        });
+        let rest = |i: usize, row: usize| {
+            let turned: f64 = (0..3).map(|j| pair.test[j][row] * inverse[(j, i)]).sum();
+            turned - pair.reference[i][row] - drift[i] * days[row]
+        };
+        let rest: [Vec<f64>; 3] = std::array::from_fn(|i| (0..days.len()).map(|row| rest(i, row)).collect());
         let mut channels: Vec<&[f64]> = pair.reference.iter().map(AsRef::as_ref).collect();
         channels.push(&days);
         channels.extend(rest.iter().map(Vec::as_slice));
@@ -141,11 +138,12 @@ impl Frame {
     pub fn scatter(&self, i: usize, l: usize, third: bool) -> Matrix4<f64> {
         let channels = if third { THIRD } else { REFERENCE };
         let root = |bin: usize| 1.0 / (self.density[i][bin] * self.density[l][bin]).sqrt();
-        let together = |i: usize, l: usize| {
-            let weight = |bin: usize| 1.0 / (self.density[i][bin] * self.density[l][bin]).sqrt();
-            self.sum(self.bins(), (REST + i, REST + l), weight)
+        let coherence = if i == l {
+            1.0
+        } else {
+            let own = |axis: usize| self.power(axis, self.bins());
+            self.sum(self.bins(), (REST + i, REST + l), root) / (own(i) * own(l)).sqrt()
         };
-        let coherence = if i == l { 1.0 } else { together(i, l) / (together(i, i) * together(l, l)).sqrt() };
         self.matrix(self.bins(), channels, channels, root) * coherence
     }
 

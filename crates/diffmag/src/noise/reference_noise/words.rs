@@ -56,7 +56,6 @@ pub fn ascribed(report: &ReferenceNoise, three: Option<&ThreeCornered>) -> Strin
     }
 }
 
-/// What looks wrong, or is worth knowing.
 pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_below: f64) -> Findings {
     let mut findings = Findings::default();
     let worst = |of: &dyn Fn(&common::PulledElement) -> f64| {
@@ -107,7 +106,6 @@ pub fn findings(report: &ReferenceNoise, three: Option<&ThreeCornered>, told_bel
     findings
 }
 
-/// Lines for people.
 pub fn lines(report: &ReferenceNoise) -> Vec<String> {
     let own = report.test.as_ref();
     let own = own.map(|test| format!("the test instrument's own noise: {}", of_instrument(test)));
@@ -134,7 +132,6 @@ fn of_instrument(noise: &PerAxis<OwnNoise>) -> String {
     format!("{} white, {} at 1 Hz (x, y, z)", of("nT", 1.0, &white), of("pT/√Hz", 1e3, &flicker))
 }
 
-/// Shares along x, y, z.
 fn of_axes(shares: &PerAxis<Quantity>) -> String {
     let percent = |share: &Quantity| uncertain(100.0 * share.value(), 100.0 * share.std().unwrap_or(0.0));
     let each: Vec<String> = Axis::ALL.iter().filter_map(|axis| shares.get(*axis)).map(percent).collect();
