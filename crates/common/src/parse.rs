@@ -25,14 +25,11 @@ pub fn parse<T: DeserializeOwned + Versioned>(text: &str) -> Result<T, Error> {
                 .into(),
         });
     }
-    match serde_json::from_str::<T>(text) {
-        Ok(value) if value.format_version() == Some(FORMAT_VERSION) => Ok(value),
-        // Once more, to say what is wrong and where.
-        _ => {
-            check_version(text)?;
-            at_path(text)
-        }
+    let read = at_path::<T>(text);
+    if read.as_ref().ok().and_then(T::format_version) != Some(FORMAT_VERSION) {
+        check_version(text)?;
     }
+    read
 }
 
 /// JSON of fluxcal's formats.

@@ -36,8 +36,17 @@ fn write(path: &Path, columns: &[(&str, Vec<f64>)], from: usize) {
 }
 
 fn request<'a>(calibration: &'a Document, input: &'a Path, output: &'a Path) -> Request<'a> {
-    let (input, output) = (Some(input), Some(output));
-    Request { recording: Some("flight"), frame: Frame::Geo, input, output, ..Request::of(calibration) }
+    Request {
+        calibration,
+        readings: None,
+        recording: Some("flight"),
+        frame: Frame::Geo,
+        input: Some(input),
+        input_format: None,
+        output: Some(output),
+        output_format: None,
+        station: None,
+    }
 }
 
 fn all_same(one: &[f64], other: &[f64]) -> bool {
@@ -195,6 +204,19 @@ fn a_table_without_rows_keeps_its_header() {
     assert!(run.stdout.starts_with("time_s,sensor_x_v,sensor_y_v,sensor_z_v,field_x_nt,"), "{}", run.stdout);
 }
 
+#[test]
+fn nothing_is_half_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let bad = folder.path().join("bad.csv");
+    let mut text = fs::read_to_string(testkit::fixture("correct/flight/readings.csv")).expect("readings");
+    text.push_str("24.0,23.0,nought,1,2\n");
+    fs::write(&bad, text).expect("written");
+    let output = folder.path().join("field.csv");
+    let error = correct_table(&request(&input(), &bad, &output)).expect_err("a word");
+    assert!(error.to_string().contains("bad.csv, line 26, column 3 (sensor_x_v)"), "{error}");
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
 /// A day of an observatory: the file that is written holds the corrected field of each row to the hundredth.
 #[test]
 fn iaga_2002_holds_the_field() {
@@ -212,9 +234,21 @@ fn iaga_2002_holds_the_field() {
     assert_eq!(header[3], format!("{:<69}|", " IAGA CODE              FLX"));
     let titles = "DATE       TIME         DOY     FLXX      FLXY      FLXZ      FLXF";
     assert_eq!(header[13], format!("{titles:<69}|"));
-    assert_eq!(data.len(), 24);
+    let expected = correct::run(input(), Frame::Geo).expect("corrected");
+    let recording = &expected.recordings[0];
+    assert_eq!(data.len(), recording.rows());
     assert!(data[0].starts_with("2026-02-28 23:59:58.500 059  "), "{}", data[0]);
     assert!(data[2].starts_with("2026-03-01 "), "{}", data[2]);
+    for (row, line) in data.iter().enumerate() {
+        let found: Vec<f64> =
+            line[27..].split_whitespace().map(|value| value.parse().expect("a number")).collect();
+        for (value, axis) in found.iter().zip(Axis::ALL) {
+            let field = recording.axis_column("field_geo", axis, "nt").expect("a column")[row];
+            let due = if field.is_finite() { field } else { 99_999.0 };
+            assert!((value - due).abs() <= 0.005 + 1e-9, "{line}: {due}");
+        }
+        assert_eq!(found[3], 88_888.0);
+    }
     assert!(!rows.is_empty());
     let without = Request { station: Some(Station { start: None, ..station }), ..asked };
     let without = Request { recording: None, ..without };

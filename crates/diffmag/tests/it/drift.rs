@@ -179,13 +179,6 @@ fn both_parts_under_flicker_noise() {
 }
 
 #[test]
-fn a_straight_drift_under_flicker_noise() {
-    let sums = sums("straight", &FLICKER, &True { nt_per_day: 1.5, ..True::default() });
-    assert!(share(&sums, "claimed straight") > 0.95);
-    covers(&sums, &["b", "η", "change over the next day", "window means"]);
-}
-
-#[test]
 fn exponentials_of_three_and_six_standard_deviations() {
     let sized = |amplitude_nt: f64| True { nt_per_day: 0.0, amplitude_nt, time_constant_s: 20_000.0 };
     let found = fit(&pair(&FLICKER, &sized(3.0), 1).document);

@@ -1,9 +1,12 @@
-//! Spectral matrices against SciPy's csd.
+//! Spectral matrices against SciPy's csd, and their degrees of freedom against the scatter of white noise.
 
 use estimate::Error;
 use estimate::cross_spectrum::CrossSpectra;
+use noise::Stream;
 use serde_json::Value;
 use testkit::reference::{list, number, numbers, reference};
+
+use crate::made::white;
 
 /// The largest difference, as a share of the roots of both densities.
 fn compare(found: &CrossSpectra, expected: &Value) -> f64 {
@@ -55,15 +58,37 @@ fn matrices_of_scipy() {
 }
 
 #[test]
+fn white_noise_scatters_as_its_freedom_says() {
+    let (step_s, std, mut stream) = (0.5, 0.3, Stream::new(5, "cross spectrum"));
+    let truth = 2.0 * std * std * step_s;
+    for (samples, tapers) in [(128, 1), (128, 4), (400, 6)] {
+        let (mut sum, mut squares, mut count, mut freedom) = (0.0, 0.0, 0.0, 0.0);
+        for _ in 0..600 {
+            let series = white(&mut stream, 400, std);
+            let found = CrossSpectra::of(&[&series], step_s, samples, tapers).expect("spectra");
+            freedom = found.freedom[0];
+            let far = found.frequency_hz.len() - tapers - 2;
+            for matrix in found.matrices[tapers + 2..far].iter().step_by(2 * tapers) {
+                let ratio = matrix[(0, 0)].re / truth;
+                (sum, squares, count) = (sum + ratio, squares + ratio * ratio, count + 1.0);
+            }
+        }
+        let mean = sum / count;
+        let scattered = 2.0 * mean * mean / (squares / count - mean * mean);
+        assert!((mean - 1.0).abs() < 5.0 * (2.0 / freedom / count).sqrt(), "{samples} {tapers}: {mean}");
+        // The variance of a sample variance of χ²(ν)/ν is about (2 + 12/ν) of its square over the count.
+        let most = 5.0 * ((2.0 + 12.0 / freedom) / count).sqrt();
+        assert!((scattered / freedom - 1.0).abs() < most, "{samples} {tapers}: {scattered} for {freedom}");
+    }
+}
+
+#[test]
 fn what_has_no_spectrum_is_refused() {
     let (long, short) = (vec![1.0; 20], vec![1.0; 19]);
-    for unlike in [&[&long[..], &short][..], &[&[f64::NAN; 20]]] {
-        assert!(matches!(CrossSpectra::of(unlike, 1.0, 8, 1), Err(Error::Series(_))));
-    }
-    for (samples, tapers) in [(7, 1), (8, 0)] {
-        assert!(matches!(CrossSpectra::of(&[&long], 1.0, samples, tapers), Err(Error::TooFew { .. })));
-    }
-    for few in [&[&long[..7]][..], &[]] {
-        assert!(matches!(CrossSpectra::of_whole(few, 1.0, 0.1), Err(Error::TooFew { .. })));
-    }
+    assert!(matches!(CrossSpectra::of(&[&long, &short], 1.0, 8, 1), Err(Error::Series(_))));
+    assert!(matches!(CrossSpectra::of(&[&[f64::NAN; 20]], 1.0, 8, 1), Err(Error::Series(_))));
+    assert!(matches!(CrossSpectra::of(&[&long], 1.0, 7, 1), Err(Error::TooFew { .. })));
+    assert!(matches!(CrossSpectra::of(&[&long], 1.0, 8, 0), Err(Error::TooFew { .. })));
+    assert!(matches!(CrossSpectra::of_whole(&[&[1.0; 7]], 1.0, 0.1), Err(Error::TooFew { .. })));
+    assert!(matches!(CrossSpectra::of_whole(&[], 1.0, 0.1), Err(Error::TooFew { .. })));
 }

@@ -1,9 +1,17 @@
-//! Welch's spectrum and its interval against SciPy.
+//! Welch's spectrum against SciPy, against the variance it has to add up to, and its interval against the
+//! truth.
 
 use estimate::Error;
 use estimate::spectrum::{Spectrum, welch};
 use estimate::stats::variance_interval;
+use noise::Stream;
 use testkit::reference::{list, number, numbers, reference};
+
+use crate::made::white;
+
+fn made(seed: u64, count: usize, std: f64) -> Vec<f64> {
+    white(&mut Stream::new(seed, "welch"), count, std)
+}
 
 #[test]
 fn densities_of_scipy() {
@@ -72,13 +80,36 @@ fn ends_of_the_probability() {
 
 #[test]
 fn too_few_samples_are_refused() {
-    for (samples, segment) in [(7, 7), (7, 100), (20, 7), (20, 0)] {
-        let refused = welch(&vec![1.0; samples], 1.0, segment);
-        assert!(
-            matches!(refused, Err(Error::TooFew { found, unknowns: 8 }) if found == samples.min(segment))
-        );
+    let samples = made(1, 20, 1.0);
+    for (samples, segment) in [(&samples[..7], 7), (&samples[..7], 100), (&samples[..], 7), (&samples[..], 0)]
+    {
+        let found = samples.len().min(segment);
+        match welch(samples, 1.0, segment) {
+            Err(Error::TooFew { found: said, unknowns: 8 }) => assert_eq!(said, found),
+            other => panic!("{other:?}"),
+        }
     }
-    assert!(welch(&[1.0; 8], 1.0, 8).is_ok());
+    assert!(welch(&samples[..8], 1.0, 8).is_ok());
+}
+
+#[test]
+fn the_interval_covers_the_truth() {
+    // Bins four apart share next to nothing: 400 series of nine bins, the share known to 0.004.
+    let (step_s, std, mut stream) = (0.5, 0.3, Stream::new(4, "welch"));
+    let truth = 2.0 * std * std * step_s;
+    for (count, n) in [(1024, 128), (1000, 101), (300, 200), (96, 96)] {
+        let (mut inside, mut all) = (0, 0);
+        for _ in 0..400 {
+            let spectrum = welch(&white(&mut stream, count, std), step_s, n).expect("a spectrum");
+            let (low, high) = variance_interval(spectrum.freedom, 0.95);
+            for p in spectrum.density[4..n / 2 - 3].iter().step_by(4).take(9) {
+                inside += usize::from((p * low..p * high).contains(&truth));
+                all += 1;
+            }
+        }
+        let share = inside as f64 / all as f64;
+        assert!((0.93..0.97).contains(&share), "{count} samples, segments of {n}: {share}");
+    }
 }
 
 #[test]

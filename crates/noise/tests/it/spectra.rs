@@ -1,7 +1,9 @@
 //! Each generator against its definition: averaged spectra of 200 series, decade by decade, each within its
 //! own confidence band.
 
-use noise::{Stream, power_law, quantise, random_walk};
+use common::Noise;
+use noise::{Stream, power_law, quantise, random_walk, series};
+
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 const SERIES: usize = 200;
@@ -58,6 +60,20 @@ fn power_laws_have_their_spectrum_at_every_decade() {
 }
 
 #[test]
+fn the_sum_of_white_and_flicker_has_the_sum_of_the_spectra() {
+    let noise = Noise {
+        white_rms_nt: Some(0.05),
+        flicker_nt2_per_hz_at_1hz: Some(1e-4),
+        flicker_exponent: Some(1.2),
+        ..Noise::default()
+    };
+    let time: Vec<f64> = (0..4096).map(|row| f64::from(row) * 2.0).collect();
+    let make = |number: usize| series(&noise, number as u64, "sum", 4096, Some(&time)).expect("noise");
+    let defined = |f: f64| 2.0 * 0.05 * 0.05 * 2.0 + 1e-4 * f.powf(-1.2);
+    check("sum", &averaged(4096, 2.0, make), 1.0 / 8192.0, defined);
+}
+
+#[test]
 fn the_steps_of_a_random_walk_are_white() {
     let time: Vec<f64> = (0..4097).map(f64::from).collect();
     let make = |number: usize| {
@@ -86,4 +102,25 @@ fn rounding_adds_the_floor_of_nasa_eq_27() {
         rounded.iter().zip(&exact).map(|(a, b)| a - b).collect()
     };
     check("codes", &averaged(4096, step_s, make), 1.0 / 40.96, |_| step_s / 6.0);
+}
+
+#[test]
+fn figure_7_has_26_pt_over_any_three_decades() {
+    // A = 0.026² / ln 1000; the rms of the lines in (f, 1000 f] is within 1 % of 26e-3 nT where the lines lie
+    // close.
+    let amplitude = 0.026f64.powi(2) / 1000f64.ln();
+    let (points, step_s) = (1 << 17, 0.01);
+    let resolution = 1.0 / (points as f64 * step_s);
+    let mut power = vec![0.0; points / 2];
+    for number in 0..SERIES as u64 {
+        let series = power_law(&mut Stream::new(number, "figure 7"), points, step_s, amplitude, 1.0);
+        for (power, p) in power.iter_mut().zip(periodogram(&series, step_s)) {
+            *power += p * resolution / SERIES as f64;
+        }
+    }
+    for from in [10, 20, 50] {
+        let first = power[from - 1] / 2.0 + power[1000 * from - 1] / 2.0;
+        let rms = (first + power[from..1000 * from - 1].iter().sum::<f64>()).sqrt();
+        assert!((rms / 0.026 - 1.0).abs() < 0.01, "{rms}");
+    }
 }
