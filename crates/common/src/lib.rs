@@ -16,8 +16,7 @@
 //! plurals are written in messages, tables of reports and errors.
 //!
 //! The document is read and written with serde in this crate alone ([`Document::parse`], `to_text`,
-//! `to_line`; none is generic): that is some 600 000 lines of LLVM, which no other crate should compile
-//! again.
+//! `to_line`; none is generic): no other crate should compile the code of so many types again.
 
 mod absolute;
 mod axes;

@@ -103,7 +103,11 @@ fn variance(sums: &[f64], m: usize) -> f64 {
     squares / (2.0 * (m as f64).powi(2) * (sums.len() - 2 * m) as f64)
 }
 
-/// Equivalent degrees of freedom of averages of `m` samples that have `sums` sums; at most the pairs.
+/// Equivalent degrees of freedom of averages of `m` samples that have N = `sums` sums; at most the pairs:
+///
+/// - α = 0: (3(N − 1)/(2m) − 2(N − 2)/N) · 4m²/(4m² + 5),
+/// - α = 1: 5N²/(4m(N + 3m)), and for m = 1 2(N − 2)²/(2.3N − 4.9),
+/// - α = 2: (N − 2)/m · ((N − 1)² − 3m(N − 1) + 4m²)/(N − 3)².
 fn freedom(sums: usize, m: usize, exponent: f64) -> f64 {
     if exponent.is_nan() {
         return f64::NAN;
