@@ -49,7 +49,7 @@ fn each(law: impl Fn(u64, &Value)) {
     (0..testkit::campaigns(4)).for_each(|seed| law(seed, &campaign(&plan(seed))));
 }
 
-/// How the minimum was reachedand how columns measure there depends on the frame of the steps.
+/// How the minimum was reached, and the measures of the columns there, depend on the frame in which steps are counted.
 const WAY: &[&str] = &["iterations", "singular_values"];
 /// The way; and in another frame a coil is at another angle to its nominal axis, by which channels seem swapped.
 const TURNED: &[&str] =

@@ -60,8 +60,8 @@ fn normal(path: &Path) -> Option<PathBuf> {
     Some(normal)
 }
 
-/// The links of `pages` that lead nowhere.
-fn dead(pages: &BTreeMap<PathBuf, Page>, root: &Path) -> Vec<String> {
+/// The links of `pages` that lead nowhere. `exists` says whether a path of the repository is a file.
+fn dead(pages: &BTreeMap<PathBuf, Page>, exists: impl Fn(&Path) -> bool) -> Vec<String> {
     let mut dead = Vec::new();
     for (path, page) in pages {
         for link in page.links.iter().filter(|link| !link.contains("://")) {
@@ -71,7 +71,7 @@ fn dead(pages: &BTreeMap<PathBuf, Page>, root: &Path) -> Vec<String> {
                 _ => normal(&path.parent().unwrap_or(Path::new("")).join(file)),
             };
             let fault = match &target {
-                Some(target) if root.join(target).is_file() => {
+                Some(target) if exists(target) => {
                     let known = |page: &Page| page.anchors.contains(anchor);
                     (!anchor.is_empty() && !pages.get(target).is_some_and(known)).then_some("no such heading")
                 }
@@ -111,7 +111,7 @@ fn repository() -> (PathBuf, BTreeMap<PathBuf, Page>) {
 fn every_link_leads_somewhere() {
     let (root, pages) = repository();
     assert!(pages.values().map(|page| page.links.len()).sum::<usize>() > 100, "the pages have links");
-    let dead = dead(&pages, &root);
+    let dead = dead(&pages, |path| root.join(path).is_file());
     assert!(dead.is_empty(), "{}", dead.join("\n"));
 }
 
@@ -137,4 +137,28 @@ fn the_site_has_every_page() {
             assert!(held, "{}: {link}: the site lacks {}", path.display(), target.display());
         }
     }
+}
+
+/// A dead link, a dead anchor and a path out of the repository are found; links that hold are not.
+#[test]
+fn dead_links_are_found() {
+    let pages = BTreeMap::from([
+        (
+            "docs/a.md".into(),
+            parse("# One `b` two\n\n[b](b.md#twice-1) [up](../README.md) [me](#one-b-two) ![](a.svg)\n"),
+        ),
+        (
+            "docs/b.md".into(),
+            parse("## Twice\n\n## Twice\n\n```\n[code](c.md)\n```\n\n[web](https://c.md)\n"),
+        ),
+        ("README.md".into(), parse("[c](docs/c.md) [b](docs/b.md#thrice) [out](../x.md) [folder](docs)\n")),
+    ]);
+    let found = dead(&pages, |path| path == Path::new("docs/a.svg") || pages.contains_key(path));
+    let expected = [
+        "docs/c.md: no such file",
+        "docs/b.md#thrice: no such heading",
+        "../x.md: no such file",
+        "docs: no such file",
+    ];
+    assert_eq!(found, expected.map(|fault| format!("README.md: {fault}")));
 }
