@@ -22,6 +22,7 @@ const LONGEST_GAP_S: f64 = 86_400.0;
 pub enum Cause {
     /// Before this measurement.
     Step(usize),
+    /// This measurement alone.
     Off(usize),
     Column(usize),
 }

@@ -55,6 +55,7 @@ impl Trend {
 }
 
 pub struct Regressor {
+    /// At each measurement.
     pub at: Vec<f64>,
     /// Standard deviation of its coefficient, nT.
     pub prior_nt: f64,
@@ -155,6 +156,7 @@ impl Mixture {
         })
     }
 
+    /// Posterior mean of the scatter.
     pub fn scatter_nt(&self) -> f64 {
         self.points.iter().map(|(point, share)| share * point.scatter_nt).sum()
     }

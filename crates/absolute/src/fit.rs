@@ -69,6 +69,7 @@ pub fn north(state: &[f64; UNKNOWNS]) -> f64 {
     state[NORTH]
 }
 
+/// From the x axis of the field, rad.
 pub fn declination(field: &Vector3<f64>) -> f64 {
     field.y.atan2(field.x)
 }
@@ -139,6 +140,7 @@ impl Readings<'_> {
         }
     }
 
+    /// Derivatives of a reading by the two circles.
     fn by_circles(&self, azimuth: Azimuth, zenith: f64, row: &Row) -> [f64; 2] {
         let (field, _) = field(self.components, &self.start, &row.variometer_nt);
         let seen = sighting(&field, azimuth.of(&self.start, &field), zenith, &mounting(&self.start));

@@ -108,6 +108,7 @@ impl Measured {
         baseline(&self.sets[at].1.fit.state)
     }
 
+    /// Unix time of a measurement, s.
     pub fn time_s(&self, at: usize) -> f64 {
         read::time(&self.sets[at].0)
     }

@@ -16,6 +16,7 @@ pub fn wrapped(angle: f64) -> f64 {
     angle - 2.0 * PI * (angle / (2.0 * PI)).round()
 }
 
+/// The mean reading of the variometer beside readings of the field, nT.
 pub fn mean(rows: &[&Row]) -> Vector3<f64> {
     let is_field = |row: &&&Row| matches!(row.circle, Circle::Field { .. });
     let fields: Vec<&Vector3<f64>> = rows.iter().filter(is_field).map(|row| &row.variometer_nt).collect();

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::hash::Hash;
 use std::sync::{Arc, PoisonError, RwLock};
 
-use crate::modelled::Added;
+use crate::added::Added;
 use crate::observations::{Observation, Observations, sensor_column};
 use crate::{Error, Result};
 

@@ -10,6 +10,7 @@
 //! residual field stay in with their priors.
 
 mod ac;
+mod added;
 mod assumptions;
 mod checks;
 pub mod design;

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use physics::{Basic, Context, References, Unit};
 use std::ops::Range;
 
-use crate::modelled::Added;
+use crate::added::Added;
 use crate::observations::{Together, sensor_column};
 use crate::{
     Error, NoiseSource, Observation, Observations, Options, OrientationGroup, Result, ac, checks, means,

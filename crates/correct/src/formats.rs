@@ -3,6 +3,7 @@
 
 mod cdf;
 mod iaga;
+pub(crate) mod ibf;
 mod imagcdf;
 mod imf;
 
@@ -213,7 +214,7 @@ impl Written {
 }
 
 /// A station's code in capitals.
-pub(crate) fn station_code(code: &str, letters: usize) -> Result<String, Error> {
+fn station_code(code: &str, letters: usize) -> Result<String, Error> {
     if (3..=letters).contains(&code.len()) && code.bytes().all(|byte| byte.is_ascii_alphanumeric()) {
         return Ok(code.to_ascii_uppercase());
     }

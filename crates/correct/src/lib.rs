@@ -43,8 +43,8 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// Names of the columns that a corrected recording gets: `field_x_nt` is in SEN, `field_geo_x_nt` in GEO; its standard
-    /// uncertainty, the flags.
+    /// Names of the columns that a corrected recording gets: the field (`field_x_nt` in SEN, `field_geo_x_nt` in GEO), its
+    /// standard uncertainty, the flags.
     pub fn columns(self) -> [String; 7] {
         let quantity = if self == Frame::Sen { "field" } else { "field_geo" };
         let [x, y, z] = Axis::ALL.map(|axis| format!("{quantity}_{axis}_nt"));

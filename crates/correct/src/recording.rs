@@ -228,8 +228,8 @@ fn in_geo(
     (back * field, covariance)
 }
 
-/// The correction where no effect acts behind the field, B = M y + o, and the covariance of B, whose six elements are quadratic forms of (y, 1); y in the unit of
-/// the recording.
+/// The correction where no effect acts behind the field: B = M y + o, y in the unit of the recording. The six elements
+/// of the covariance of B are quadratic forms of (y, 1).
 struct Affine {
     matrix: SMatrix<f64, 3, 4>,
     /// For the elements xx, yy, zz, xy, yz, zx.

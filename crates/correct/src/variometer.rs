@@ -119,7 +119,7 @@ pub fn correct(
     Ok(corrected)
 }
 
-/// ΔF of a corrected recording with a scalar magnetometer.
+/// ΔF = |vector| − scalar at the absolute pier, nT, of a corrected recording with a scalar magnetometer.
 pub fn delta_f(document: &Document, recording: &Recording, corrected: &Corrected) -> Option<Vec<f64>> {
     let (_, baselines) = adopted(document)?;
     let scalar = recording.column("reference_nt")?;

@@ -3,12 +3,13 @@
 use common::number::bare;
 use common::{Axis, Document, Error, FORMAT_VERSION, Facility, Recording};
 use physics::{Basic, EffectInstance, References, Unit, frames};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
-use crate::bench::{Bench, MOST_ROWS, Timing, exponent, positive};
+use crate::bench::{Bench, MOST_ROWS, exponent, positive};
 use crate::make::{self, World};
 use crate::plan::{CalibrationPart, DriveRecord, Plan, TruthPlan};
 use crate::schedule::{Scheduled, schedule};
+use crate::timing::Timing;
 use crate::truth::{Electrical, TrueOrientation, Truth, true_calibration};
 
 /// The document that a campaign gives, and what is true behind it.
@@ -20,12 +21,24 @@ pub struct Campaign {
     pub truth: Truth,
 }
 
+/// Everything that is decided before the first reading.
+pub struct Prepared {
+    /// What the document states, without recordings.
+    document: Document,
+    /// The same with what is true instead, exact.
+    true_document: Document,
+    basic: Basic,
+    effects: Vec<EffectInstance>,
+    unit: Unit,
+    pub scheduled: Vec<Scheduled>,
+}
+
 /// Carries out a plan.
 ///
 /// The operator sets the currents by what the plan states; the field, the readings and their errors
 /// follow from what is true. Errors name the place in the plan.
 pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
-    let (mut document, mut world, mut scheduled) = prepare(plan)?;
+    let Prepared { mut document, mut true_document, basic, effects, unit, mut scheduled } = prepare(plan)?;
     let mut orientations = Vec::with_capacity(scheduled.len());
     for Scheduled { planned, .. } in &mut scheduled {
         let orientation = frames::rows(&planned.rotation);
@@ -36,21 +49,22 @@ pub fn campaign(plan: &Plan) -> Result<Campaign, Error> {
         recording.conditions.theodolite = None;
         recording.conditions.orientation = Some(orientation);
         orientations.push(TrueOrientation { recording: recording.id.clone(), orientation });
-        world.document.recordings.push(recording);
+        true_document.recordings.push(recording);
     }
-    world.document.check()?;
+    true_document.check()?;
     if let Some(outside) = &plan.truth.outside {
         let main = References { outside_nt: outside.main_field_nt.map(Some), ..References::default() };
-        physics::state_references(&mut world.document, &main);
+        physics::state_references(&mut true_document, &main);
     }
-    world.references = References::of(&world.document);
-    let set = take_columns(&mut world.document);
-    if plan.drive == DriveRecord::Voltage {
-        world.electrical = Some(Electrical::draw(plan)?);
-    }
+    let references = References::of(&true_document);
+    let set = take_columns(&mut true_document);
+    let electrical = match plan.drive {
+        DriveRecord::Current => None,
+        DriveRecord::Voltage => Some(Electrical::draw(plan)?),
+    };
     let offset_wander = make::wander(plan, &set, &scheduled)?;
-    let by_recording = offset_wander.iter().map(|wander| (wander.recording.clone(), wander.offset_nt));
-    world.wander = by_recording.collect();
+    let wander = offset_wander.iter().map(|wander| (wander.recording.clone(), wander.offset_nt)).collect();
+    let world = World { plan, document: true_document, basic, effects, unit, references, electrical, wander };
     document.recordings = world.recordings(set, &scheduled)?;
     let told = plan.truth.clone();
     let truth = Truth {
@@ -81,9 +95,8 @@ fn take_columns(document: &mut Document) -> Vec<Recording> {
     std::mem::replace(&mut document.recordings, bare)
 }
 
-/// Checks a plan and puts its recordings in order: what the document states, without recordings, what is true, and the
-/// recordings without their readings.
-pub fn prepare(plan: &Plan) -> Result<(Document, World<'_>, Vec<Scheduled>), Error> {
+/// Checks a plan and puts its recordings in order.
+pub fn prepare(plan: &Plan) -> Result<Prepared, Error> {
     let mut document = Document {
         fluxcal: FORMAT_VERSION,
         title: plan.title.clone(),
@@ -148,17 +161,7 @@ pub fn prepare(plan: &Plan) -> Result<(Document, World<'_>, Vec<Scheduled>), Err
             }
         }
     }
-    let world = World {
-        plan,
-        document: true_document,
-        basic,
-        effects,
-        unit,
-        references: References::default(),
-        electrical: None,
-        wander: HashMap::new(),
-    };
-    Ok((document, world, scheduled))
+    Ok(Prepared { document, true_document, basic, effects, unit, scheduled })
 }
 
 fn check_noise(plan: &Plan) -> Result<(), Error> {
@@ -233,8 +236,14 @@ fn check_ids(scheduled: &[Scheduled]) -> Result<(), Error> {
 
 /// Makes the columns of μ and η unit vectors, in the chain and in what is told of the truth.
 fn unit_directions(mut basic: Basic, document: &mut Document) -> Result<Basic, Error> {
-    let mut axes = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut());
-    for (matrix, key) in [(&mut basic.eta, "coils"), (&mut basic.mu, "sensors")] {
+    let axes = document.calibration.as_mut().and_then(|calibration| calibration.axes.as_mut());
+    let (mut sensors, mut coils) = match axes {
+        Some(axes) => (axes.sensors.as_mut(), axes.coils.as_mut()),
+        None => (None, None),
+    };
+    for (matrix, told, key) in
+        [(&mut basic.eta, &mut coils, "coils"), (&mut basic.mu, &mut sensors, "sensors")]
+    {
         for axis in 0..3 {
             let length = matrix.column(axis).norm();
             if (length - 1.0).abs() > 1e-3 {
@@ -245,11 +254,7 @@ fn unit_directions(mut basic: Basic, document: &mut Document) -> Result<Basic, E
             }
             matrix.column_mut(axis).normalize_mut();
         }
-        let told = axes.as_mut().and_then(|axes| match key {
-            "coils" => axes.coils.as_mut(),
-            _ => axes.sensors.as_mut(),
-        });
-        if let Some(told) = told.and_then(|told| told.matrix.as_mut()) {
+        if let Some(told) = told.as_mut().and_then(|told| told.matrix.as_mut()) {
             *told = frames::rows(matrix);
         }
     }

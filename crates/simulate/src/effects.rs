@@ -2,7 +2,7 @@
 
 use clap::ValueEnum;
 use common::{Error, to_text};
-use physics::{About, Acts, Family, Kind, ParameterInfo};
+use physics::{About, Acts, Family, Kind, ParameterInfo, Role};
 use serde_json::{Value, json};
 
 /// How the catalogue is laid out.
@@ -52,7 +52,12 @@ fn parameter(info: &ParameterInfo) -> Value {
     if !info.is_moment() {
         all["plausible"] = json!([info.low, info.high]);
     }
-    all["role"] = format!("{:?}", info.role).to_lowercase().into();
+    all["role"] = match info.role {
+        Role::Amplitude => "amplitude",
+        Role::Shape => "shape",
+        Role::Epoch => "epoch",
+    }
+    .into();
     if let Some(absent) = info.absent {
         all["absent"] = absent.into();
     }

@@ -28,10 +28,10 @@ mod replay;
 mod run_sheet;
 mod schedule;
 mod sweep;
+mod timing;
 mod truth;
 
 pub use aboard::KnownField;
-pub use bench::Timing;
 pub use campaign::{Campaign, campaign};
 pub use differential::{DifferentialTruth, ReferenceAxes, TestAxes, ThirdTruth};
 pub use effects::{Layout, catalogue};
@@ -46,4 +46,5 @@ pub use procedures::*;
 pub use replay::{Replayed, replay};
 pub use run_sheet::{RunSheet, run_sheet};
 pub use sweep::{Case, Variation, cases, plan_of};
+pub use timing::Timing;
 pub use truth::{Electrical, TrueOrientation, Truth, Wander};

@@ -201,11 +201,11 @@ fn campaign(args: &CampaignArgs) -> anyhow::Result<()> {
         say(io, &format!("{}, {work} of work in {length}", counted(steps, "setting")));
         return Ok(());
     }
-    let Campaign { mut document, truth: known } = simulate::campaign(&plan).map_err(located)?;
+    let Campaign { mut document, truth: what_is_true } = simulate::campaign(&plan).map_err(located)?;
     document.history.push(entry("campaign", plan.seed, at.arguments(), input.sha256()));
     let recordings = counted(document.recordings.len(), "recording");
     let words = format!("{recordings}, {}, seed {}", rows(&document), plan.seed);
-    write(io, document, *beside, truth.as_deref(), &common::to_text(known.finite()?), &words)
+    write(io, document, *beside, truth.as_deref(), &common::to_text(what_is_true.finite()?), &words)
 }
 
 fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
@@ -216,13 +216,14 @@ fn observatory(args: &ObservatoryArgs) -> anyhow::Result<()> {
     if let Some((field_nt, _)) = at.field_nt(Start::parse(&plan.start), "start").map_err(located)? {
         plan.main_field_nt = field_nt;
     }
-    let Observatory { mut document, truth: known } = simulate::observatory(&plan).map_err(located)?;
+    let Observatory { mut document, truth: what_is_true } = simulate::observatory(&plan).map_err(located)?;
     document.history.push(entry("observatory", plan.seed, at.arguments(), input.sha256()));
-    let (time_s, baseline): (Vec<f64>, Vec<[f64; 3]>) = known.into_iter().unzip();
-    let known = serde_json::json!({"components": plan.components, "unix_s": time_s, "baseline": baseline});
+    let (time_s, baseline): (Vec<f64>, Vec<[f64; 3]>) = what_is_true.into_iter().unzip();
+    let what_is_true =
+        serde_json::json!({"components": plan.components, "unix_s": time_s, "baseline": baseline});
     let sets = counted(document.recordings.len() - 1, "measurement");
     let words = format!("{sets} in {}, seed {}", counted(plan.weeks, "week"), plan.seed);
-    write(io, document, false, truth.as_deref(), &common::to_text(&known), &words)
+    write(io, document, false, truth.as_deref(), &common::to_text(&what_is_true), &words)
 }
 
 fn flight(args: &FlightArgs) -> anyhow::Result<()> {
@@ -230,12 +231,12 @@ fn flight(args: &FlightArgs) -> anyhow::Result<()> {
     let (input, mut plan) = read(io, truth.as_deref(), FlightPlan::parse)?;
     plan.seed = seed.unwrap_or(plan.seed);
     let made = simulate::flight(&plan).map_err(|error| input.locate(error))?;
-    let MadeFlight { mut document, truth: known } = made;
+    let MadeFlight { mut document, truth: what_is_true } = made;
     document.history.push(entry("flight", plan.seed, [], input.sha256()));
     let cameras = counted(plan.cameras.len(), "star camera");
     let words = format!("{}, {cameras}, seed {}", rows(&document), plan.seed);
     let to_file = pipe::named(io.output.as_deref()).is_some();
-    write(io, document, to_file, truth.as_deref(), &common::to_text(&known), &words)
+    write(io, document, to_file, truth.as_deref(), &common::to_text(&what_is_true), &words)
 }
 
 fn replay(args: &ReplayArgs) -> anyhow::Result<()> {
@@ -308,7 +309,7 @@ fn sweep(args: &SweepArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// A plan, where what is written is not what is read and the truth never goes into the document.
+/// Reads a plan.
 fn read<P>(io: &Io, truth: Option<&Path>, parse: fn(&str) -> Result<P, Error>) -> Result<(Input, P), Error> {
     separate(io, truth)?;
     let input = Input::read(io.file.as_deref())?;
@@ -331,7 +332,7 @@ fn write(
     mut document: Document,
     beside: bool,
     truth: Option<&Path>,
-    known: &str,
+    truth_text: &str,
     words: &str,
 ) -> anyhow::Result<()> {
     let long = document.recordings.iter_mut().filter(|one| beside && one.rows() > INLINE_ROWS);
@@ -339,13 +340,14 @@ fn write(
     // What is refused is refused before a file is written.
     let text = document.to_text()?;
     if let Some(path) = truth {
-        pipe::write(Some(path), known)?;
+        pipe::write(Some(path), truth_text)?;
     }
     beside::write(io.output.as_deref(), &text, &tables)?;
     say(io, words);
     Ok(())
 }
 
+/// What is written is not what is read, and the truth never goes into the document.
 fn separate(io: &Io, truth: Option<&Path>) -> Result<(), Error> {
     io.apart([])?;
     apart::check(truth, io.file.as_deref())?;

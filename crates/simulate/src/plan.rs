@@ -1,10 +1,10 @@
 use common::{Calibration, Error, Facility, Instrument, Model, Noise, PerAxis, Versioned};
 use serde::{Deserialize, Serialize};
 
-use crate::bench::Timing;
 use crate::differential::DifferentialTruth;
 use crate::outside::{OutsidePlan, SitePlan};
 use crate::procedures::Procedure;
+use crate::timing::Timing;
 
 /// What is to be simulated: the facility and the instrument as they are stated, what they truly are,
 /// and the procedures in order.

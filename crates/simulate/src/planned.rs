@@ -4,7 +4,7 @@ use common::{Axis, Column, Columns, Conditions, Recording};
 use nalgebra::{Matrix3, Vector3};
 
 use crate::aboard::KnownField;
-use crate::bench::Timing;
+use crate::timing::Timing;
 
 /// A recording without its readings.
 pub struct Planned {
@@ -14,6 +14,7 @@ pub struct Planned {
     pub rotation: Matrix3<f64>,
     /// R as the operator sets it.
     pub nominal: Matrix3<f64>,
+    /// JSON path in the plan.
     pub path: String,
     pub reads: Reads,
     pub surroundings: Surroundings,

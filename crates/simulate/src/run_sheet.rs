@@ -25,7 +25,7 @@ const HEAD: &str = "step,time_s,start,recording,orientation,coil_x_a,coil_y_a,co
 
 /// The settings of a plan in order.
 pub fn run_sheet(plan: &Plan) -> Result<RunSheet, Error> {
-    let (_, _, mut scheduled) = prepare(plan)?;
+    let mut scheduled = prepare(plan)?.scheduled;
     scheduled.sort_by(|a, b| a.begins_s.total_cmp(&b.begins_s));
     let mut writer = csv::Writer::from_writer(Vec::new());
     let failed = |error: csv::Error| Error::Request(format!("the run sheet cannot be written: {error}"));

@@ -19,7 +19,9 @@ pub struct Axes {
     pub offset_nt: Vector3<f64>,
     /// The directions of the sensors in SEN.
     pub mu: Matrix3<f64>,
+    /// C, SEN to the first camera.
     pub turn: Matrix3<f64>,
+    /// M, and m₀ below.
     pub linear: Matrix3<f64>,
     pub constant: Vector3<f64>,
 }

@@ -189,10 +189,14 @@ impl partial::Partial for Partial {
 
     fn join(&mut self, mut other: Self) -> Result<(), Error> {
         if self.layout != other.layout {
-            let said = |Layout { frame, .. }: &Layout, names: Vec<String>| {
-                format!("with attitudes from {} and the columns {}", frame.name(), names.join(", "))
+            let said = |layout: &Layout| {
+                format!(
+                    "with attitudes from {} and the columns {}",
+                    layout.frame.name(),
+                    layout.names().join(", ")
+                )
             };
-            let [first, second] = [&self.layout, &other.layout].map(|layout| said(layout, layout.names()));
+            let [first, second] = [&self.layout, &other.layout].map(said);
             return Err(partial::Error::Unlike { first, second, expected: "the same columns in all" }.into());
         }
         let overlap = |[from_s, to_s]: [f64; 2]| partial::Error::Overlap { from_s, to_s };

@@ -20,6 +20,7 @@ pub struct Values {
     /// How they move with the values of the fit, and with turns of the other heads about their axes, arcsec.
     pub moves: Mat<f64>,
     pub covariance: Mat<f64>,
+    /// SEN to each head.
     pub heads: Vec<Matrix3<f64>>,
     /// How each head turns about its axes, arcsec, with the same as `moves`.
     turns: Vec<Mat<f64>>,

@@ -124,18 +124,24 @@ impl Format for ImagCdf {
 
 #[cfg(test)]
 mod tests {
+    use super::super::SECOND_NS;
     use super::*;
 
     #[test]
     fn variables_and_attributes_are_those_that_the_manual_demands() {
         let about = About { code: "FLX".into(), place: None, step_s: Some(60.0), is_adjusted: false };
         let mut format = ImagCdf::begin(about);
-        let row = Row { ns: 1_710_028_800_000_000_000, field_nt: [1.0, 2.0, 3.0], scalar_nt: Some(5.0) };
-        format.row(&row, &mut Vec::new()).expect("a row");
+        for (minute, z) in [(0, 3.0), (1, f64::NAN), (4, 4.0)] {
+            let ns = (28_500_480 + minute) * 60 * SECOND_NS;
+            let row = Row { ns, field_nt: [1.0, 2.0, z], scalar_nt: Some(5.0) };
+            format.row(&row, &mut Vec::new()).expect("a row");
+        }
         let cdf = format.cdf();
         let names: Vec<&str> = cdf.variables.iter().map(|variable| variable.name.as_str()).collect();
         let fields = ["X", "Y", "Z", "S"].map(|letter| format!("GeomagneticField{letter}"));
         assert_eq!(names, [fields.each_ref().map(String::as_str).as_slice(), &["DataTimes"]].concat());
+        let Value::Doubles(z) = &cdf.variables[2].records else { panic!("numbers") };
+        assert_eq!(z[..], [3.0, MISSING, MISSING, MISSING, 4.0]);
         let demanded = "FormatDescription FormatVersion Title IagaCode ElementsRecorded PublicationLevel PublicationDate ObservatoryName Latitude Longitude Elevation Institution StandardLevel Source";
         let own = "FIELDNAM UNITS FILLVAL VALIDMIN VALIDMAX DEPEND_0 DISPLAY_TYPE LABLAXIS";
         let named = |list: &[(&str, Value)]| list.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(" ");

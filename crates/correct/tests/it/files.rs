@@ -36,17 +36,8 @@ fn write(path: &Path, columns: &[(&str, Vec<f64>)], from: usize) {
 }
 
 fn request<'a>(calibration: &'a Document, input: &'a Path, output: &'a Path) -> Request<'a> {
-    Request {
-        calibration,
-        readings: None,
-        recording: Some("flight"),
-        frame: Frame::Geo,
-        input: Some(input),
-        input_format: None,
-        output: Some(output),
-        output_format: None,
-        station: None,
-    }
+    let (input, output) = (Some(input), Some(output));
+    Request { recording: Some("flight"), frame: Frame::Geo, input, output, ..Request::of(calibration) }
 }
 
 fn all_same(one: &[f64], other: &[f64]) -> bool {

@@ -148,3 +148,25 @@ fn some<'a>(value: &'a mut Value, is: fn(&Value) -> bool, draw: &mut Draw) -> Op
         .find(|pointer| value.pointer(pointer).is_some_and(is))?;
     value.pointer_mut(&pointer)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    /// A name that no arm knows would be a change that is never made.
+    #[test]
+    fn each_change_is_made_of_some_document() {
+        let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fixtures");
+        let corpus = Corpus::read(&fixtures).expect("fixtures");
+        let kind = FileKind::Document;
+        for (_, name) in CHANGES {
+            let made = (0..500).any(|case| {
+                let draw = &mut Draw::new(1, case);
+                let mut value = corpus.any_value(kind, draw).expect("a document").clone();
+                change(&mut value, name, (kind, &corpus), draw).is_some()
+            });
+            assert!(made, "{name}");
+        }
+    }
+}

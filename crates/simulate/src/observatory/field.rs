@@ -108,6 +108,7 @@ impl Field {
         self.baseline + moved.component_mul(&units)
     }
 
+    /// What the variometer reads, and the field.
     pub fn read(&self, time: f64) -> (Vector3<f64>, Vector3<f64>) {
         let (total, baseline) = (self.total(time), self.baseline(time));
         (self.components.reading_nt(&total, &baseline), total)

@@ -185,14 +185,14 @@ impl AxesProcedure {
         let fixture = frames::small_rotation(&vector(self.fixture_std_arcmin * 60.0 * ARCSEC));
         let rotation = nominal * fixture;
         if self.theodolite_angles {
-            let facility = bench.facility().cloned().unwrap_or_default();
-            let own = facility.theodolite_arcsec.unwrap_or(0.0) * ARCSEC;
+            let facility = bench.facility();
+            let own = facility.and_then(|facility| facility.theodolite_arcsec).unwrap_or(0.0) * ARCSEC;
             let once = |_| {
                 let [x, y] = [vector(own), vector(own)];
                 [x.x, x.y, y.x, y.y]
             };
             let mut errors: Vec<[f64; 4]> = (0..self.theodolite_readings).map(once).collect();
-            let shared = facility.theodolite_shared_arcsec.unwrap_or(0.0);
+            let shared = facility.and_then(|facility| facility.theodolite_shared_arcsec).unwrap_or(0.0);
             let mut stream = Stream::new(bench.seed, &format!("{id}/theodolite/shared"));
             let shared: [f64; 4] = std::array::from_fn(|_| stream.normal() * shared * ARCSEC);
             errors.iter_mut().for_each(|errors| errors.iter_mut().zip(shared).for_each(|(e, s)| *e += s));
