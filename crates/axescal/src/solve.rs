@@ -152,7 +152,7 @@ fn unweighted(problem: &AxesProblem<'_>, fit: Fit<AxesState>) -> Result<Fit<Axes
 
 /// Directions whose uncertainty is beyond all use are refused: for want of turns where the orientations are
 /// to blame, else because the readings do not fit.
-pub fn check(
+fn check(
     problem: &AxesProblem<'_>,
     freedom: &Freedom,
     state: &AxesState,
@@ -186,7 +186,7 @@ pub fn check(
 }
 
 /// What a robust fit left out. A large share is no longer a matter of single readings.
-pub fn rejected(problem: &AxesProblem<'_>, weights: &[f64], residuals_nt: &[f64]) -> Result<Option<Finding>> {
+fn rejected(problem: &AxesProblem<'_>, weights: &[f64], residuals_nt: &[f64]) -> Result<Option<Finding>> {
     let out: Vec<usize> = (0..weights.len()).filter(|k| weights[*k] < NO_WEIGHT).collect();
     let readings = counted(weights.len(), "reading");
     if out.len() as f64 > MOST_REJECTED * weights.len() as f64 {

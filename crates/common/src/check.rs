@@ -7,7 +7,9 @@ use std::collections::HashSet;
 
 use crate::number::{bare, counted};
 use crate::uncertainty::{coil_constant, coil_offset, sensitivity, sensor_offset};
-use crate::{AxesDirections, Axis, Calibration, Error, Quantity, range};
+use crate::{
+    AxesDirections, Axis, Calibration, Error, Facility, Instrument, NoiseOfSensors, Quantity, range,
+};
 
 /// What the length of a direction may differ from one: published matrices have four digits.
 const LENGTH: f64 = 1e-3;
@@ -43,9 +45,39 @@ pub(crate) fn constants(calibration: &Calibration) -> Result<(), Error> {
     })
 }
 
-/// What a facility or an instrument declares is such as there are.
-pub(crate) fn declared(key: &str, part: &impl Serialize) -> Result<(), Error> {
-    serde_json::to_value(part).map_or(Ok(()), |part| range::numbers(key, key, &part))
+/// What a facility declares is such as there is; keys that are not its own may be anything.
+pub(crate) fn facility(facility: &Facility) -> Result<(), Error> {
+    let mut own = facility.clone();
+    own.extra.clear();
+    own.voltmeter.iter_mut().for_each(|voltmeter| voltmeter.extra.clear());
+    own.noise.iter_mut().for_each(|noise| noise.extra.clear());
+    if let Some(coils) = &mut own.coils {
+        coils.extra.clear();
+        Axis::ALL.iter().for_each(|axis| coils.entry(*axis).iter_mut().for_each(|coil| coil.extra.clear()));
+    }
+    declared("facility", &own)
+}
+
+/// What an instrument declares is such as there is; keys that are not its own may be anything.
+pub(crate) fn instrument(instrument: &Instrument) -> Result<(), Error> {
+    let mut own = instrument.clone();
+    own.extra.clear();
+    own.positions_m.iter_mut().for_each(|positions| positions.extra.clear());
+    match &mut own.noise {
+        Some(NoiseOfSensors::Same(noise)) => noise.extra.clear(),
+        Some(NoiseOfSensors::Each(each)) => {
+            each.extra.clear();
+            Axis::ALL
+                .iter()
+                .for_each(|axis| each.entry(*axis).iter_mut().for_each(|noise| noise.extra.clear()));
+        }
+        None => {}
+    }
+    declared("instrument", &own)
+}
+
+fn declared(path: &str, part: &impl Serialize) -> Result<(), Error> {
+    serde_json::to_value(part).map_or(Ok(()), |part| range::numbers(path, path, &part))
 }
 
 /// Holds a calibration to all of them.
@@ -231,6 +263,32 @@ mod tests {
             let said = refused(calibration);
             assert!(said.starts_with(&format!("calibration.{expected}")), "{said}");
         }
+    }
+
+    #[test]
+    fn what_is_declared_can_be_and_other_keys_may_be_anything() {
+        let document = |rest: &str| Document::parse(&format!("{{\"fluxcal\": 1, {rest}}}"));
+        for (rest, said) in [
+            (
+                r#""facility": {"coils": {"y": {"max_nt": 1e12}}}"#,
+                "facility.coils.y.max_nt: found 1000000000000;",
+            ),
+            (
+                r#""facility": {"voltmeter": {"absolute_v": 1e9}}"#,
+                "facility.voltmeter.absolute_v: found 1000000000;",
+            ),
+            (r#""instrument": {"noise": {"z": {"white_rms_nt": 1e31}}}"#, "instrument.noise.z.white_rms_nt:"),
+        ] {
+            let found = document(rest).expect_err("refused").to_string();
+            assert!(found.starts_with(said), "{found}");
+        }
+        let own = r#""order_a": 20231234, "drift_ppm_per_c": -300"#;
+        let of_all = format!(
+            r#""facility": {{{own}, "coils": {{{own}, "x": {{{own}}}}}, "voltmeter": {{{own}}}, "noise": {{{own}}}}},
+               "instrument": {{{own}, "positions_m": {{{own}}}, "noise": {{"x": {{{own}}}}}}}"#
+        );
+        let kept = document(&of_all).expect("keys of the user's own");
+        assert_eq!(kept.instrument.expect("kept").extra.len(), 2);
     }
 
     #[test]

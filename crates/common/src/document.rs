@@ -97,8 +97,8 @@ impl Document {
     /// that an instrument can give, times do not run backwards, and the calibration is one that can be.
     pub fn check(&self) -> Result<(), Error> {
         self.calibration.iter().try_for_each(check::calibration)?;
-        check::declared("facility", &self.facility)?;
-        check::declared("instrument", &self.instrument)?;
+        self.facility.iter().try_for_each(check::facility)?;
+        self.instrument.iter().try_for_each(check::instrument)?;
         let mut seen = HashMap::new();
         for (index, recording) in self.recordings.iter().enumerate() {
             let path = format!("recordings[{index}]");

@@ -156,9 +156,10 @@ impl Compared {
             sum += rival.probability;
             told
         });
-        let sets: Vec<Vec<Cause>> = match uncertain {
-            true => rivals.map(|rival| rival.causes.clone()).collect(),
-            false => vec![self.of.explained.causes.iter().map(|one| one.cause).collect()],
+        let sets: Vec<Vec<Cause>> = if uncertain {
+            rivals.map(|rival| rival.causes.clone()).collect()
+        } else {
+            vec![self.of.explained.causes.iter().map(|one| one.cause).collect()]
         };
         // How many steps or lines there are is not a matter of names.
         let named = |set: &Vec<Cause>, lag: &dyn Fn(Cause) -> Option<String>| -> Vec<String> {

@@ -23,8 +23,9 @@ use crate::search::Searcher;
 use crate::sets::{Member, Sets};
 use crate::stacked::Stacked;
 use crate::verdict;
+use crate::verdict::NamedEffect;
 use crate::whitening::NoiseModel;
-use crate::{Error, Ground, NamedEffect, Outcome};
+use crate::{Error, Ground, Outcome};
 
 /// Most times that the search begins again with what stood out of its last answer.
 const ROUNDS: usize = 8;

@@ -181,7 +181,10 @@ fn beside_jumps(fitter: &Fitter<'_, '_>, fit: &Fit) -> Result<Vec<bool>, Error> 
 /// Channels of the same sensor in earlier and in later recordings.
 fn of_same_sensor(fitter: &Fitter<'_, '_>, number: usize) -> [Vec<usize>; 2] {
     let observed = &fitter.model.observed;
-    let begins = |channel: &Channel| observed.runs[channel.run].on_clock()?.first().copied();
+    let begins = |channel: &Channel| {
+        let run = &observed.runs[channel.run];
+        Some(run.time_s?.first()? + run.setting.context.clock_s)
+    };
     let own = &observed.channels[number];
     let all = observed.channels.iter().enumerate().filter(|(_, other)| other.reader == own.reader);
     [Ordering::Less, Ordering::Greater].map(|side| {

@@ -16,8 +16,9 @@ use crate::model::{Model, State};
 use crate::observed::Observed;
 use crate::proposal::Addition;
 use crate::stacked::Stacked;
+use crate::verdict::Alternative;
 use crate::whitening::NoiseModel;
-use crate::{Alternative, Error, Outcome};
+use crate::{Error, Outcome};
 use variants::{Variant, is_reading, variants};
 
 /// Experiments that are told of each open question.

@@ -38,6 +38,7 @@ const ROUGH: Control = Control { tolerance: 0.3, ..ITERATION };
 #[derive(Clone, Debug)]
 pub struct Fit {
     pub state: State,
+    /// Residual, nT.
     pub residual: Vec<f64>,
     /// The same whitened, the rows of prior knowledge behind it.
     pub white: Vec<f64>,

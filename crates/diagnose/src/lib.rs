@@ -21,7 +21,8 @@
 //!   (`form_error`: what these add to the uncertainty of every fitted parameter; `sized`: intervals of
 //!   parameters). `evidence` is the marginal likelihood, `sets` the beam search over sets, `verdict` the
 //!   names with probabilities and shares, `families` the kinds of physics. All thresholds are in `decide`.
-//! - `plain` takes back names of impossible shapes, and judges names by held-out readings, beside plain regressions (`report/residuals`). `beside` answers of two instruments side by side.
+//! - `plain` takes back names of impossible shapes, and judges names by held-out readings, beside plain
+//!   regressions (`report/residuals`). `beside` answers of two instruments side by side.
 //! - `course` iterates: sets, the best of them fitted with the calibration, what stands out of the new
 //!   residual (`proposal`: which of it is new, which pays its trials factor). `approach`: where it
 //!   begins, for large effects about the calibration that goes with them.
@@ -84,15 +85,16 @@ mod words;
 pub use common::Error;
 pub use words::summary;
 
-use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Rival, Verdict, procedure};
+use common::{Diagnosis, Document, ExplainedFamily, Quantity, Recording, Verdict, procedure};
 use indexmap::IndexMap;
 use physics::{Kind, References};
 
 use crate::fit::{Fit, Fitter};
 use crate::model::Model;
 use crate::observed::Observed;
-use crate::proposal::{Addition, Proposal};
+use crate::proposal::Proposal;
 use crate::search::Look;
+use crate::verdict::{NamedEffect, Unnamed};
 use crate::whitening::NoiseModel;
 
 /// What is asked for.
@@ -116,42 +118,6 @@ impl Default for Options {
     fn default() -> Self {
         Self { seed: 1, level: 0.01, refit: false, against: None, without: Vec::new(), empirical: false }
     }
-}
-
-/// A name of an answer, and what was said against it.
-#[derive(Clone, Debug, Default)]
-struct NamedEffect {
-    name: String,
-    /// What comes in: one thing, or a list of such at moments.
-    additions: Vec<Addition>,
-    /// Whether it touches few rows, so that rows left out say nothing.
-    local: bool,
-    /// Probability of such a gain by chance, all that was searched counted.
-    p: f64,
-    /// Probability of the name.
-    probability: f64,
-    /// Share of what can be explained.
-    share: f64,
-    /// Share of its energy by which it departs from its form.
-    departure: f64,
-    /// How far it may depart from its form, for each group of departures.
-    departs: Vec<f64>,
-    /// By how much it lowers the sum of squares beside all others: whitened, and in nT².
-    gain: f64,
-    gain_nt2: f64,
-    /// By how much it lowers the sum of squares of readings left out, part by part.
-    held_out: Vec<f64>,
-    /// Names that explain as well.
-    equal: Vec<Alternative>,
-    /// Others, and why they lost.
-    lost: Vec<Rival>,
-}
-
-/// A name that could stand in the place of another, with what would come in.
-#[derive(Clone, Debug)]
-struct Alternative {
-    name: String,
-    additions: Vec<Addition>,
 }
 
 /// A fit with the noise on which it rests, and what stands out of it.
@@ -181,7 +147,7 @@ struct Outcome {
     verdict: Verdict,
     refused: Vec<(String, String)>,
     /// Structure without a name beside them.
-    unnamed: Vec<verdict::Unnamed>,
+    unnamed: Vec<Unnamed>,
     /// The kinds of physics among all of it.
     families: Vec<ExplainedFamily>,
     /// What is to be said of the fits.

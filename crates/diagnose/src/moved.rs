@@ -36,9 +36,8 @@ pub fn moved(model: &Model<'_>, outcome: &Outcome, level: f64) -> Vec<MovedConst
     let Some(calibration) = model.observed.document.calibration.as_ref().filter(|_| !open) else {
         return Vec::new();
     };
-    let mut calibration = calibration.clone();
     let stated: Vec<Option<f64>> =
-        model.unknowns.iter().map(|unknown| stated_std(&mut calibration, unknown)).collect();
+        model.unknowns.iter().map(|unknown| stated_std(calibration, unknown)).collect();
     let mut held = Held::of(outcome, &stated);
     let mut found: Vec<MovedConstant> = Vec::new();
     let mut constants: Vec<&Unknown> = Vec::new();

@@ -47,7 +47,7 @@ impl Site {
 
     /// What to record where structure that follows a covariate has no name.
     pub fn unexplained(self, covariate: &str) -> String {
-        let [of_time, of_temperature, of_field] = ADVICE[self as usize];
+        let [of_time, of_temperature, of_field] = self.advice();
         let across = covariates::is_across(covariate);
         if covariate == "time_s" {
             of_time.into()
@@ -63,31 +63,33 @@ impl Site {
             format!("change {covariate} alone, everything else constant")
         }
     }
-}
 
-/// What to record at each site where structure follows time, a temperature, the field.
-const ADVICE: [[&str; 3]; 4] = [
-    [
-        "repeat the recording at another hour with all temperatures recorded and the drive held: an effect of time alone recurs at the same time after switching on",
-        "ramp that temperature up and down at two rates with everything else held",
-        "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed",
-    ],
-    [
-        "record another day of orbits with all temperatures and currents in the telemetry: an effect of the orbit recurs with it, a drift does not",
-        "record orbits of another season, with other shadows and loads: that temperature then no longer follows the field",
-        "record orbits in which the satellite has another attitude (a roll, a yaw), so that the field lies along each axis in turn",
-    ],
-    [
-        "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the magnitude of the field alone does not show what drifts",
-        "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet",
-        "turn the sensor slowly through all directions beside the scalar magnetometer; where it cannot be turned, record through a disturbed day, when the field varies most",
-    ],
-    [
-        "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone cannot separate its drift from that of the field",
-        "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the field has a daily variation as well",
-        "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then cancel",
-    ],
-];
+    /// What to record where structure follows time, a temperature, the field.
+    fn advice(self) -> [&'static str; 3] {
+        match self {
+            Site::Coils => [
+                "repeat the recording at another hour with all temperatures recorded and the drive held: an effect of time alone recurs at the same time after switching on",
+                "ramp that temperature up and down at two rates with everything else held",
+                "drive the coil along the sensor up and down at two rates with the others at zero, and with the sensor reversed",
+            ],
+            Site::Orbit => [
+                "record another day of orbits with all temperatures and currents in the telemetry: an effect of the orbit recurs with it, a drift does not",
+                "record orbits of another season, with other shadows and loads: that temperature then no longer follows the field",
+                "record orbits in which the satellite has another attitude (a roll, a yaw), so that the field lies along each axis in turn",
+            ],
+            Site::Scalar => [
+                "record another day with a temperature log at the sensor, and take an absolute measurement at its beginning and its end: the magnitude of the field alone does not show what drifts",
+                "warm that sensor by some kelvin and let it cool, at two rates, beside the scalar magnetometer; at night, when the field is quiet",
+                "turn the sensor slowly through all directions beside the scalar magnetometer; where it cannot be turned, record through a disturbed day, when the field varies most",
+            ],
+            Site::Alone => [
+                "set a scalar magnetometer beside it, or take a neighbouring observatory's data of the same hours: one instrument alone cannot separate its drift from that of the field",
+                "warm that sensor by some kelvin and let it cool, at two rates, at night, with a scalar magnetometer beside it: the field has a daily variation as well",
+                "set a scalar magnetometer beside it and turn the sensor slowly through all directions: the field's own changes then cancel",
+            ],
+        }
+    }
+}
 
 /// The same in coils, where structure follows the field across the sensor.
 const ACROSS: &str = "drive the coil transverse to the sensor up and down with the others at zero, in two orientations of the block";

@@ -16,7 +16,8 @@ use crate::covariates;
 use crate::model::named;
 use crate::next::Site;
 use crate::search::Searcher;
-use crate::{Error, NamedEffect, Outcome, experiment, moved, plain};
+use crate::verdict::NamedEffect;
+use crate::{Error, Outcome, experiment, moved, plain};
 
 pub use detectable::of_all as detectable_of_all;
 pub use effects::{described, quantities};

@@ -15,7 +15,6 @@ use crate::level::{Rest, at_least_one};
 use crate::proposal::{Addition, Proposal, What};
 use crate::sets::{Member, Set, Sets};
 use crate::stacked::Stacked;
-use crate::{Alternative, NamedEffect};
 
 /// Most names that are told as undecided.
 const UNDECIDED: usize = 6;
@@ -28,6 +27,42 @@ const REFITTED: usize = 5;
 const AT_EDGES: f64 = 0.5;
 /// Rivals that are told of a name.
 const RIVALS: usize = 5;
+
+/// A name of an answer, and what was said against it.
+#[derive(Clone, Debug, Default)]
+pub struct NamedEffect {
+    pub name: String,
+    /// What comes in: one thing, or a list of such at moments.
+    pub additions: Vec<Addition>,
+    /// Whether it touches few rows, so that rows left out say nothing.
+    pub local: bool,
+    /// Probability of such a gain by chance, all that was searched counted.
+    pub p: f64,
+    /// Probability of the name.
+    pub probability: f64,
+    /// Share of what can be explained.
+    pub share: f64,
+    /// Share of its energy by which it departs from its form.
+    pub departure: f64,
+    /// How far it may depart from its form, for each group of departures.
+    pub departs: Vec<f64>,
+    /// By how much it lowers the sum of squares beside all others: whitened, and in nT².
+    pub gain: f64,
+    pub gain_nt2: f64,
+    /// By how much it lowers the sum of squares of readings left out, part by part.
+    pub held_out: Vec<f64>,
+    /// Names that explain as well.
+    pub equal: Vec<Alternative>,
+    /// Others, and why they lost.
+    pub lost: Vec<Rival>,
+}
+
+/// A name that could stand in the place of another, with what would come in.
+#[derive(Clone, Debug)]
+pub struct Alternative {
+    pub name: String,
+    pub additions: Vec<Addition>,
+}
 
 /// Structure of the best set that has no name.
 #[derive(Clone, Debug)]

@@ -52,7 +52,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Nothing yet, of samples so far apart (s); None: found from the first batch ([`Grid::found`]).
+    /// Nothing yet, of samples so far apart (s); None: found from the first batch.
     pub fn every(step_s: Option<f64>) -> Self {
         Self { step_s, ..Self::default() }
     }
@@ -75,14 +75,15 @@ impl Take for Statistics {
         if expected == 0 {
             return Ok(());
         }
-        let (grid, mut partial) = match (self.begun.take(), self.step_s) {
-            (Some(begun), _) => begun,
-            (None, Some(step_s)) => Partial::on(Grid::of(step_s, times[0])?),
+        let grid = match (&self.begun, self.step_s) {
+            (Some((grid, _)), _) => *grid,
+            (None, Some(step_s)) => Grid::of(step_s, times[0])?,
             (None, None) => {
                 rising(times)?;
-                Partial::on(Grid::found(times)?)
+                Grid::found(times)?
             }
         };
+        let mut partial = self.begun.take().map_or_else(|| Partial::on(grid), |(_, partial)| partial);
         let mut at = 0;
         let mut taken = Ok(());
         while at < expected && taken.is_ok() {

@@ -54,8 +54,10 @@ impl Deviations {
         Ok(Self { step_s, sums: sums.len(), of_lengths })
     }
 
-    /// With the degrees of freedom: `exponent` gives for an averaging time τ (s) the α of the power law P(f) ~ f^(−α) of
-    /// the samples' density that dominates there; it is rounded to 0 (white), 1 (flicker) or 2 (random walk).
+    /// With the degrees of freedom: `exponent` gives for an averaging time τ (s) the α of the power law
+    /// P(f) ~ f^(−α) of the samples' density that dominates there; it is rounded to 0 (white), 1 (flicker) or 2
+    /// (random walk). Degrees of freedom are those of Riley, Table 5, at most the pairs that are averaged; NaN
+    /// for an exponent that is NaN.
     pub fn points(&self, exponent: impl Fn(f64) -> f64) -> Vec<AllanPoint> {
         let point = |&(m, deviation): &(usize, f64)| {
             let averaging_s = m as f64 * self.step_s;

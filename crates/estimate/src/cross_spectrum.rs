@@ -25,14 +25,16 @@ pub struct CrossSpectra {
 impl CrossSpectra {
     /// The spectral matrices of series `step_s` apart, averaged over segments and sine tapers.
     ///
-    /// Segments of n = `segment_samples`, less their means, start every n − ⌊n/2⌋ samples. With the
-    /// orthonormal tapers w_t(m) = √(2/(n + 1)) sin(π t (m + 1)/(n + 1)), t = 1 … `tapers`,
+    /// Segments of n = `segment_samples`, less their means, start every n − ⌊n/2⌋ samples; what is left at the
+    /// end is not used. With the orthonormal tapers w_t(m) = √(2/(n + 1)) sin(π t (m + 1)/(n + 1)), t = 1 …
+    /// `tapers`,
     ///
     /// S_ij(f_k) = 2 Δt ⟨X_i* X_j⟩, X = Σ w_t(m) (x_m − x̄) e^(−2πi k m/n), f_k = k/(n Δt), k = 1 … below
     /// n/2,
     ///
-    /// the mean over segments and tapers. An estimate is (`tapers` + 1)/((n + 1) Δt) wide. Degrees of
-    /// freedom: ν = 2 N²/Σ_ab |⟨w_a, w_b⟩|² over the N tapers of all segments, each at its place.
+    /// the mean over segments and tapers. An estimate is (`tapers` + 1)/((n + 1) Δt) wide, and the lowest lack
+    /// the mean that was taken off. Degrees of freedom: ν = 2 N²/Σ_ab |⟨w_a, w_b⟩|² over the N tapers of all
+    /// segments, each at its place.
     ///
     /// More samples for a segment than there are in the series: one segment, the whole series.
     ///

@@ -80,7 +80,7 @@ impl Places {
         sum / count
     }
 
-    /// A column of uneven times at even ones, `step_s` apart, by cubic pieces; NaN within gaps.
+    /// A column of uneven times at even ones, `step_s` apart from the first on, by cubic pieces; NaN within gaps.
     pub fn interpolated(&self, time: &[f64], column: &[f64], step_s: f64) -> Vec<f64> {
         let rows = ((time[time.len() - 1] - time[0]) / step_s + 1e-6).floor() as usize + 1;
         let at: Vec<f64> = (0..rows).map(|row| time[0] + row as f64 * step_s).collect();

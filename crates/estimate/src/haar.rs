@@ -4,7 +4,8 @@ use statrs::function::gamma::gamma;
 use std::f64::consts::{LN_2, PI, TAU};
 use std::sync::LazyLock;
 
-/// Levels integrated over the spectrum; above, the law of unlimited noise and a term for its end.
+/// Levels integrated over the spectrum; above, the law of unlimited noise and a term for what lies beyond the Nyquist
+/// frequency.
 const EXACT: usize = 7;
 /// Panels of the integral: halves towards 0, then as many as the highest level has periods.
 const HALVES: usize = 40;

@@ -1,6 +1,7 @@
 //! Searches along a line: how far to go along a step, where a function is largest, where one is zero.
 
-/// What the first of the shares 1, ½, ¼, … of a step, `most` of them, leads to that is taken.
+/// What the first of the shares 1, ½, ¼, … of a step, `most` of them, leads to that is taken; None where none
+/// is.
 pub fn halved<T>(most: i32, mut taken: impl FnMut(f64) -> Option<T>) -> Option<T> {
     (0..most).find_map(|halvings| taken(0.5_f64.powi(halvings)))
 }

@@ -17,7 +17,12 @@ const LARGEST: f64 = 13.0;
 /// A² = −n − (1/n) Σ (2i − 1)(ln Φ(z_i) + ln Φ(−z_(n+1−i))), i = 1 … n,
 ///
 /// z_i = (x_i − x̄)/s in ascending order, s with n − 1 in its denominator. For small samples A*² = A²(1 +
-/// 0.75/n + 2.25/n²).
+/// 0.75/n + 2.25/n²), and p is
+///
+/// - 1 − exp(−13.436 + 101.14 A*² − 223.73 A*⁴) for A*² < 0.2,
+/// - 1 − exp(−8.318 + 42.796 A*² − 59.938 A*⁴) for A*² < 0.34,
+/// - exp(0.9177 − 4.279 A*² − 1.38 A*⁴) for A*² < 0.6,
+/// - exp(1.2937 − 5.709 A*² + 0.0186 A*⁴) above; beyond 13 it stays at the value of 13.
 ///
 /// None for fewer than 8 values, for values without scatter, or where a value is not finite.
 ///

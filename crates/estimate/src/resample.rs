@@ -29,7 +29,7 @@ pub struct Resampled {
 }
 
 /// Columns of one even series, read at fractional rows `places`, after all above the slower series' Nyquist
-/// frequency is taken out. `stretch` is the step of the output over that of the input.
+/// frequency is taken out. `stretch` is the step of the output over that of the input, or 1 where it is less.
 ///
 /// y(p) = Σ_k w_k x_k / Σ w_k, w_k = sinc(u) I₀(β √(1 − (u/26)²))/I₀(β), u = (p − k)/stretch, |u| ≤ 26.
 ///

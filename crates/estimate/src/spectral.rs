@@ -125,7 +125,8 @@ pub fn weighted(columns: &[&Transform], y: &Transform, weights: &[f64]) -> Resul
     Ok(WeightedFit { coefficients: solved(&covariance, &products), covariance })
 }
 
-/// Sums of products of the columns and y over all frequencies but zero, weighted; the lower triangle.
+/// Sums of products of the columns, y as the last of them, over all frequencies but zero, weighted; the lower
+/// triangle.
 fn products(columns: &[&Transform], y: &Transform, weights: &[f64]) -> Mat<f64> {
     let count = y.rows as f64;
     let all: Vec<&[Complex<f64>]> = columns.iter().copied().chain([y]).map(|of| &of.values[1..]).collect();

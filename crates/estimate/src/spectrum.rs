@@ -33,6 +33,9 @@ pub struct Spectrum {
 /// window. More samples for a segment than there are in the series: one segment, the whole series. Samples
 /// that are not finite give densities that are not finite.
 ///
+/// The degrees of freedom are ν = 2K / (1 + 2 Σ (1 − j/K) ρ_j), j = 1 … K − 1, with
+/// ρ_j = (Σ w_m w_(m+jD) / Σ w_m²)².
+///
 /// Source: P. D. Welch, The use of fast Fourier transform for the estimation of power spectra, IEEE Trans.
 /// Audio Electroacoust. AU-15 (1967) 70–73.
 ///

@@ -27,8 +27,10 @@ const UNKNOWNS: f64 = 6.0;
 /// A process that is nowhere more than this share of a spectrum is left out.
 const SHOWS: f64 = 1e-3;
 
+/// Noise, up to its scale.
 #[derive(Clone, Debug)]
 pub enum Form {
+    /// White noise and a power law.
     Law(Noise),
     /// White noise of one and a process.
     Plateau(Process),

@@ -129,7 +129,7 @@ impl<'a> Screened<'a> {
         }
         let candidates = set.named.iter().map(|one| &stack.candidates[one.candidate]);
         let mut named: Vec<(Cause, Form)> = candidates.map(|one| (one.cause, one.form)).collect();
-        // Of the named ones alone.
+        // Numbered as in a stack of the named ones alone.
         let of = |(candidate, one): (usize, &Named)| Named { candidate, ..one.clone() };
         let set: Vec<Named> = set.named.iter().enumerate().map(of).collect();
         for by in NEARER {

@@ -21,7 +21,9 @@ pub struct Named {
 pub struct Candidate {
     pub cause: Cause,
     pub form: Form,
+    /// The columns' places for each channel.
     pub columns: Vec<Vec<usize>>,
+    /// Whether the channels have one amplitude.
     pub tied: bool,
     /// ln of the number of alike ones among which it was found.
     pub looks: f64,
@@ -154,6 +156,7 @@ pub struct Product {
     pub log_prior: f64,
 }
 
+/// Products of a stack's columns under each noise.
 pub fn products(stack: &Stack, filters: &[Filter]) -> Vec<Product> {
     let all: Vec<usize> = (0..stack.columns.len()).collect();
     filters.par_iter().map(|filter| product(stack, &all, filter)).collect()

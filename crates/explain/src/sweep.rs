@@ -148,6 +148,7 @@ impl<'a> Under<'a> {
     }
 }
 
+/// ln Σ e^x.
 pub fn sum(of: impl Iterator<Item = f64>) -> f64 {
     let all: Vec<f64> = of.collect();
     let largest = all.iter().copied().fold(f64::NEG_INFINITY, f64::max);

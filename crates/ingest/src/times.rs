@@ -34,12 +34,14 @@ enum Form {
     /// A pattern of the day, and a number of units of so many ns since its midnight.
     Dated(String, i64),
     /// The time of day alone, with the day from elsewhere.
-    /// Named: the file is named after that of most rows; else it is that of the first row.
     OfDay {
         time: OfDay,
         day: i64,
+        /// Whether the day is that of most rows, after which the file is named; else it is that of the first
+        /// row.
         named: bool,
     },
+    /// Row by row.
     Step(f64),
     None,
 }

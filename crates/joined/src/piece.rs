@@ -94,9 +94,8 @@ pub fn cut(time: &[f64], columns: Vec<Column>, path: &str, id: &str) -> Result<V
     let mut pieces = Vec::new();
     for (number, rows) in cadence.segments(time.len()).into_iter().enumerate() {
         // Columns that are not cut stay the recording's own.
-        let some = |column: &Column| match rows.len() == time.len() {
-            true => column.clone(),
-            false => column[rows.clone()].to_vec().into(),
+        let some = |column: &Column| {
+            if rows.len() == time.len() { column.clone() } else { column[rows.clone()].to_vec().into() }
         };
         let jump = number.checked_sub(1).map(|before| &cadence.jumps[before]).map(|jump| Jump {
             recording: id.to_owned(),
@@ -215,8 +214,34 @@ mod tests {
         vec![time.iter().map(|t| 5.0 + 0.5 * t).collect(); 3]
     }
 
+    fn placed(time: &[f64]) -> Piece {
+        place(time, columns(time), "recordings[0]", "it").expect("placed")
+    }
+
     fn pieces(time: &[f64]) -> Vec<Piece> {
         cut(time, columns(time), "recordings[0]", "it").expect("cut")
+    }
+
+    #[test]
+    fn rows_that_were_never_written_are_missing() {
+        let piece = placed(&[0.0, 1.0, 2.0, 5.0, 6.0, 7.0]);
+        assert!((piece.step_s - 1.0).abs() < 1e-12 && piece.told.is_none());
+        let missing: Vec<bool> = piece.columns[0].iter().map(|value| value.is_nan()).collect();
+        assert_eq!(missing[2..6], [false, true, true, false]);
+        // A slow drift of the stamps against their nominal step is no scatter.
+        let time: Vec<f64> = (0..5000).map(|k| 1.0003 * f64::from(k)).collect();
+        assert!(placed(&time).told.is_none());
+    }
+
+    #[test]
+    fn uneven_times_are_interpolated() {
+        let time: Vec<f64> = (0..60).map(|k| f64::from(k) + 0.45 * f64::from(k * 7 % 5 - 2) / 2.0).collect();
+        let piece = placed(&time);
+        assert!(piece.told.is_some());
+        for (row, value) in piece.columns[0].iter().enumerate() {
+            let t = piece.start_s + row as f64 * piece.step_s;
+            assert!((value - 5.0 - 0.5 * t).abs() < 1e-9, "a straight line stays one");
+        }
     }
 
     #[test]

@@ -10,8 +10,9 @@ use crate::{Grid, NoiseError, flicker_of};
 /// draws from: rows of rows, nT².
 ///
 /// Each group is a run of rows, in order and apart; `counts` says which are there. White noise falls as σ²/n.
-/// Flicker noise has Σ P(f_k)/(nΔt) Re(W_a(f_k) W_b*(f_k)), W the transform of a mean's weights. The random
-/// walk has r² times the mean of min(t_i, t_j). Without times only white noise counts.
+/// Flicker noise has Σ P(f_k)/(nΔt) Re(W_a(f_k) W_b*(f_k)) over the Fourier frequencies of its grid, W the
+/// transform of a mean's weights. The random walk has r² times the mean of min(t_i, t_j), counted from the
+/// first row. Without times only white noise counts.
 ///
 /// Errors: as [`crate::series`].
 pub fn covariance_of_means(

@@ -62,7 +62,7 @@ pub fn p_of(quantity: &Quantity) -> f64 {
     two_sided_p(quantity.value() / std(quantity), f64::INFINITY)
 }
 
-/// Nothing is known of a quantity without an uncertainty.
+/// Standard uncertainty; infinite where none is stated: nothing is known of it then.
 fn std(quantity: &Quantity) -> f64 {
     quantity.std().unwrap_or(f64::INFINITY)
 }

@@ -14,6 +14,7 @@ use joined::{Boundary, Pair};
 
 /// Rows on either side, at least, up to the next pause or jump that is looked at.
 const BESIDE: usize = 512;
+/// Pauses that are looked at, the longest first.
 const MOST: usize = 16;
 
 /// Cuts the series at the pauses over which the offset changes, at one false alarm in a hundred recordings

@@ -7,10 +7,10 @@ pub enum Error {
     /// The columns of a batch are not of one length.
     #[error("a batch with columns of {found} and {expected} rows; all must be as long as `time_s`")]
     Lengths { found: usize, expected: usize },
-    /// A time is missing.
+    /// A time is missing in a row, counted from 0 over all batches.
     #[error("row {row}: found no time; every row needs one, also where readings are missing")]
     NoTime { row: u64 },
-    /// Time does not rise.
+    /// Time does not rise at a row, counted from 0 over all batches.
     #[error(
         "row {row}: found {time_s} s at or before the row above it; expected times that rise (sort the rows, take doubles out)"
     )]

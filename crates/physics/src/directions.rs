@@ -8,7 +8,8 @@ use nalgebra::{Matrix3, Matrix3x2, Vector3};
 
 use crate::frames::{self, ARCSEC, angle, tangents};
 
-/// Of the axes that are known; `covariance` is of the matrix's elements, column by column.
+/// Matrix, uncertainties and angles of the axes that are known; `covariance` is of the matrix's elements,
+/// column by column.
 pub fn directions(axes: &[Axis], matrix: &Matrix3<f64>, covariance: &Mat<f64>) -> AxesDirections {
     let column = |axis: Axis| matrix.column(axis.index()).into_owned();
     // Standard uncertainty of a linear function of the nine elements.

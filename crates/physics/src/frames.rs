@@ -72,7 +72,8 @@ impl Orientation {
     }
 }
 
-/// L of the rotation about the faces' axes, by the standard uncertainties of φx, θx, φy, θy (rad).
+/// L with L Lᵀ = covariance of the small rotation about the faces' axes, by the standard uncertainties of φx,
+/// θx, φy, θy (rad).
 pub fn face_uncertainty([phi_x, theta_x, phi_y, theta_y]: [f64; 4]) -> Matrix3<f64> {
     Matrix3::from_diagonal(&Vector3::new(theta_y, theta_x, 0.5 * phi_x.hypot(phi_y)))
 }

@@ -77,8 +77,9 @@ impl Assumed {
     ) -> Result<Document, Error> {
         let taken = self.only.is_some();
         let Some(calibration) = found.calibration.as_mut().filter(|_| taken) else { return Ok(found) };
-        let coded = calibration.scalar.iter().flat_map(|scalar| scalar.findings.coded());
-        if coded.filter(|(_, code, _)| *code == Some(Code::PriorContradicted)).count() > 0 {
+        let is_contradicted =
+            |(_, code, _): (&str, Option<Code>, &str)| code == Some(Code::PriorContradicted);
+        if calibration.scalar.iter().any(|scalar| scalar.findings.coded().any(is_contradicted)) {
             let words = "the readings contradict the scale factors and angles that --only offsets takes as they are: the offsets would be wrong by more than their uncertainty. Give what is known of the sensors in their place, as in --scales-within 2 --angles-within 1";
             return Err(Error::Unanswerable(words.into()));
         }

@@ -76,7 +76,8 @@ impl Series {
 
 /// The unit of the readings, and the recordings.
 ///
-/// Errors: no recording with sensors and a magnitude; a still sensor; another unit; readings in V and in nT.
+/// Errors: no recording with sensors and a magnitude; a sensor that does not move; a reference in another
+/// unit; readings in V and in nT.
 pub fn read(document: &Document, options: &Options) -> Result<(Unit, Vec<Series>), Error> {
     let mut all: Vec<(Unit, Series)> = Vec::new();
     let mut without = None;

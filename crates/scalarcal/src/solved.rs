@@ -21,7 +21,7 @@ use crate::terms::Factor;
 use crate::weakest::{self, UNDETERMINED};
 use crate::{Error, start};
 
-/// A parameter more than this times as uncertain as the mean residual is undetermined: small effects decide.
+/// A parameter more than this many times as uncertain as the mean residual is undetermined: small effects decide.
 const MOST_WEAK: f64 = 1000.0;
 /// Standard uncertainties with which parameters are held at the start, when no minimum is found without.
 const LOOSELY: [f64; 3] = [0.3, 0.1, 0.03];

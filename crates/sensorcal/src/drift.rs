@@ -134,7 +134,8 @@ struct Columns {
 }
 
 impl Columns {
-    /// 1 and years from the middle; a yearly term where the dates span one; an unknown temperature.
+    /// 1 and years from the middle; a yearly term where the dates span one; the temperature where it moved and
+    /// its effect is not known.
     fn of(dates: &[Date]) -> Self {
         let times: Vec<f64> = dates.iter().map(|date| date.days_from(&dates[0])).collect();
         let middle = times.iter().sum::<f64>() / times.len() as f64;

@@ -11,7 +11,7 @@ use crate::readings::{FULL_NT, Run};
 use crate::sides::Directions;
 use faer::Mat;
 
-/// A parameter with this share of its neighbours' size, or of which less is left beside them, is not seen.
+/// A parameter with less than this share of its neighbours' size, or of which less is left beside them, is not seen.
 const VISIBLE: f64 = 0.2;
 pub const KINDS: [Kind; 2] = [Kind::CrossField, Kind::CrossFieldSensitivity];
 

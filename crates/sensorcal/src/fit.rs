@@ -241,7 +241,7 @@ impl Problem<'_, '_> {
         Ok((residual, design))
     }
 
-    /// What a fit misses unseen readings by, nT: the rows of `runs` like the problem's.
+    /// What a fit misses unseen readings by, nT; `runs` are those of the problem with other rows.
     pub fn missed(&self, fit: &Fit, runs: &[Run<'_>]) -> Result<Vec<f64>> {
         let state = self.first();
         let step: Vec<f64> =

@@ -101,7 +101,7 @@ fn parts(runs: &[Run<'_>], warmer: &[[Vec<f64>; 2]], findings: &mut Findings) ->
     Ok(parts)
 }
 
-/// Temperatures, a kelvin apart: in all readings, and in those with at least half the largest drive.
+/// Number of temperatures, a kelvin apart: in all readings, or in those with at least half the largest drive.
 pub fn distinct(heated: &Heated<'_>, part: usize, driven: bool) -> usize {
     let of_run = |(run, both): (&Run<'_>, &[Vec<f64>; 2])| {
         let drive = |row: usize| run.context.current_a[row][run.coil.index()].abs();

@@ -12,7 +12,8 @@ const DRIFTS_S: f64 = 7200.0;
 const FULL: usize = 2000;
 /// Variance of a recording's own level over that of its readings, where several share their constants.
 const LEVELS: [f64; 4] = [0.0, 0.25, 1.0, 4.0];
-/// Powers of a reading's noise with which slow noise scatters: like the fast noise, not, like its variance.
+/// Powers of a reading's noise with which slow noise scatters: with the fast noise, not at all, with its
+/// variance.
 const POWERS: [f64; 3] = [1.0, 0.0, 2.0];
 
 #[derive(Clone, Copy, Debug, PartialEq)]

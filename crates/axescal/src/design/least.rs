@@ -222,7 +222,8 @@ impl<'a> Search<'a> {
         target.worst_arcsec(covariance(&said, &self.prior).as_ref())
     }
 
-    /// The first three orientations, then one after the other, each the one that lowers the largest error.
+    /// The first three orientations, then one after the other, each the one that lowers the largest error
+    /// most.
     fn order(&self, pieces: &[Pieces], theodolite_readings: usize, target: &Target) -> Vec<usize> {
         let std = self.given.theodolite_rad(theodolite_readings);
         let each: Vec<Said> = pieces.iter().map(|pieces| pieces.said(std)).collect();

@@ -100,7 +100,8 @@ pub(super) fn settings(observed: &Observed<'_>) -> Vec<usize> {
         .collect()
 }
 
-/// Where a calibration states a constant; None of turns and of what it does not hold.
+/// Where a calibration states a constant, made where it is missing; None of what is no constant (turns, levels,
+/// effects).
 pub fn place<'c>(calibration: &'c mut Calibration, unknown: &Unknown) -> Option<&'c mut Option<Quantity>> {
     let sensor = |calibration: &'c mut Calibration, axis: Axis| {
         calibration.sensors.get_or_insert_default().entry(axis).get_or_insert_default()
@@ -138,6 +139,8 @@ pub fn moving_place<'c>(
     }
 }
 
+/// The path of a constant in the joint uncertainty; of a sensor's offset that of the sum, where axescal found
+/// something to be added. None of what is no constant.
 pub fn path(calibration: Option<&Calibration>, unknown: &Unknown) -> Option<String> {
     Some(match unknown {
         Unknown::Chain(Parameter::Sensitivity(axis), unit) => uncertainty::sensitivity(*axis, unit.suffix()),
@@ -159,15 +162,30 @@ fn is_sum(calibration: &Calibration, axis: Axis) -> bool {
     added.is_some_and(|added| added.std().is_some())
 }
 
-/// Standard uncertainty that a calibration (a copy) states of a constant; none where it states none.
-pub fn stated_std(calibration: &mut Calibration, unknown: &Unknown) -> Option<f64> {
+/// Standard uncertainty that a calibration states of a constant; none where it states none.
+pub fn stated_std(calibration: &Calibration, unknown: &Unknown) -> Option<f64> {
+    let axes = || calibration.axes.as_ref();
     let turn = |of: &Option<AxesDirections>, axis: Axis| {
         of.as_ref()?.std_arcsec.as_ref()?.get(axis).map(|std| std * frames::ARCSEC)
     };
     let std = match unknown {
-        Unknown::Chain(Parameter::SensorTurn(axis, _), _) => turn(&calibration.axes.as_ref()?.sensors, *axis),
-        Unknown::Chain(Parameter::CoilTurn(axis, _), _) => turn(&calibration.axes.as_ref()?.coils, *axis),
-        _ => place(calibration, unknown)?.as_ref()?.std(),
+        Unknown::Chain(Parameter::Sensitivity(axis), Unit::Volt) => {
+            calibration.sensor(*axis)?.sensitivity_nt_per_v.as_ref()?.std()
+        }
+        Unknown::Chain(Parameter::Sensitivity(axis), Unit::Nanotesla) => {
+            calibration.sensor(*axis)?.sensitivity_nt_per_nt.as_ref()?.std()
+        }
+        Unknown::Chain(Parameter::SensorOffset(axis), _) => {
+            calibration.sensor(*axis)?.offset_nt.as_ref()?.std()
+        }
+        Unknown::Chain(Parameter::CoilConstant(axis), _) => {
+            calibration.coil(*axis)?.constant_nt_per_a.as_ref()?.std()
+        }
+        Unknown::Chain(Parameter::CoilOffset(axis), _) => calibration.coil(*axis)?.offset_nt.as_ref()?.std(),
+        Unknown::Chain(Parameter::SensorTurn(axis, _), _) => turn(&axes()?.sensors, *axis),
+        Unknown::Chain(Parameter::CoilTurn(axis, _), _) => turn(&axes()?.coils, *axis),
+        Unknown::Field(axis) => axes()?.residual_field_nt.as_ref()?.get(*axis)?.std(),
+        Unknown::Chain(Parameter::Effect(..), _) | Unknown::Level(_) | Unknown::Turn { .. } => None,
     };
     std.filter(|std| *std > 0.0)
 }

@@ -11,7 +11,8 @@ use crate::covariates::on_coil;
 use crate::model::Model;
 use crate::proposal::Addition;
 use crate::sized;
-use crate::{Error, NamedEffect, Outcome};
+use crate::verdict::NamedEffect;
+use crate::{Error, Outcome};
 
 /// A variance that rests on what is assumed of an effect's departures from its equation by more than this
 /// share is a lower bound: no recording bounds those.

@@ -22,7 +22,9 @@ const AGREED: usize = 2;
 const LOWEST: usize = 8;
 /// The noise of the octaves and the matrix by it are fitted in turn, so often.
 const ROUNDS: usize = 12;
+/// The reference's axes; a straight drift is the column after them.
 const AXES: usize = 3;
+
 /// How many of the lowest cosine coefficients of a test axis, `y`, belong to periods at which the instruments
 /// answer alike.
 ///

@@ -26,12 +26,12 @@ pub fn fit(pair: &Pair, follows: &[Follows]) -> Result<[AxisFit; 3], Error> {
     let columns = Columns::of(pair);
     // One after the other: the columns of each are many times as large as the readings.
     let found = [one(&columns, follows, 0)?, one(&columns, follows, 1)?, one(&columns, follows, 2)?];
-    let across = |axis: usize, other: usize| match axis == other {
-        true => {
-            let own = &found[axis].0.fit.weighted_covariance;
-            std::array::from_fn(|i| std::array::from_fn(|k| own[(i, k)]))
+    let across = |axis: usize, other: usize| {
+        if axis != other {
+            return across::covariance(&found[axis].1, &found[other].1);
         }
-        false => across::covariance(&found[axis].1, &found[other].1),
+        let own = &found[axis].0.fit.weighted_covariance;
+        std::array::from_fn(|i| std::array::from_fn(|k| own[(i, k)]))
     };
     let across: [_; 3] = std::array::from_fn(|axis| std::array::from_fn(|other| across(axis, other)));
     let mut fits = found.map(|(fit, _)| fit);

@@ -111,8 +111,8 @@ impl partial::Partial for Partial {
 
 impl Partial {
     /// A piece of a grid, without samples so far.
-    pub(super) fn on(grid: Grid) -> (Grid, Self) {
-        (grid, Partial { grid: Some(grid), ..Self::default() })
+    pub(super) fn on(grid: Grid) -> Self {
+        Partial { grid: Some(grid), ..Self::default() }
     }
 
     /// Times of the first and the last place that are covered, s.

@@ -57,14 +57,14 @@ impl Chance {
             rank if rank > 0.0 => looks(stats::chi_squared_p(quantile(gains, MATCHED), rank)),
             _ => 1.0,
         };
-        let looks = gains.iter().zip(&ranks).map(looked).collect();
-        let mut chance = Self { ranks, looks, candidates: 1.0 };
+        let searched = gains.iter().zip(&ranks).map(looked).collect();
+        let mut chance = Self { ranks, looks: searched, candidates: 1.0 };
         let least: Vec<f64> = (0..draws.nrows())
             .into_par_iter()
             .map(|i| (0..gains.len()).map(|c| chance.p(c, gains[c][i])).fold(1.0, f64::min))
             .collect();
         let negative: Vec<f64> = least.iter().map(|p| -p).collect();
-        chance.candidates = self::looks(-quantile(&negative, MATCHED));
+        chance.candidates = looks(-quantile(&negative, MATCHED));
         Ok(chance)
     }
 

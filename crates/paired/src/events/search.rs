@@ -63,9 +63,9 @@ pub fn search(left: Vec<Vec<f64>>, pair: &Pair, look: &Look, known: &Events) -> 
     let mut search = Search::of(left, look, pair, known);
     let least = threshold(pair.whole.len(), FALSE_ALARM / search.left.len() as f64);
     let (mut more, mut last) = (true, None::<View>);
-    for look in 0..LOOKS {
+    for round in 0..LOOKS {
         let series = search.cleaned();
-        if (1..=FIRST_LOOKS).contains(&look) {
+        if (1..=FIRST_LOOKS).contains(&round) {
             noise = axes::try_each(series.len(), |axis| Noise::seen(&series[axis], pair))?;
             last = None;
         }

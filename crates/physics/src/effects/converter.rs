@@ -29,12 +29,12 @@ impl Effect for Quantisation {
     }
 }
 
-/// A bit of the wrong weight errs like a square wave, which these harmonics follow to 93 % of its energy.
 /// An amplitude of a harmonic, none where a document does not give it.
 const fn harmonic(name: &'static str, high: f64) -> ParameterInfo {
     ParameterInfo::amplitude(name, 0.01, high).or_zero()
 }
 
+/// A bit of the wrong weight errs like a square wave, which these harmonics follow to 93 % of its energy.
 impl Effect for DifferentialNonlinearity {
     const ABOUT: About = About {
         name: "differential_nonlinearity",

@@ -106,7 +106,8 @@ impl<'a> Inverter<'a> {
         Ok(Self { basic, effects, context, unmix })
     }
 
-    /// Whether the readings are one matrix times the field and offsets: nothing acts behind the field.
+    /// Whether the readings are one matrix times the field and offsets: nothing acts behind the field, and no
+    /// coil's gradient is known.
     pub fn is_affine(&self) -> bool {
         let behind = |effect: &EffectInstance| effect.kind.about().stage >= Stage::Block;
         let gradient = self.context.positions_m.is_some() && self.context.gradient_nt_per_m_a.amax() > 0.0;

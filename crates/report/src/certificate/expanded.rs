@@ -1,6 +1,6 @@
 //! A result with its expanded uncertainty.
 
-use crate::certificate::BLANK;
+use crate::certificate::sheet::BLANK;
 use crate::conformity::NORMAL;
 use crate::page::Cell;
 use crate::page::number::{as_known, bare, figures, uncertain};

@@ -1,12 +1,26 @@
 //! What the template of the certificate is given beside the document.
 
-use crate::conformity::{Joint, axes, offset_path};
+use crate::conformity::{Joint, Spec, axes, offset_path};
 use crate::page::number;
 use crate::page::template::part;
 use common::{Axis, Certificate, Document, PerAxis, Quantity, procedure};
 use minijinja::{Value, context};
 
-use crate::certificate::{Asked, BLANK, days, directions};
+use crate::certificate::sheet::BLANK;
+use crate::certificate::{days, directions};
+
+/// What is asked of a certificate.
+#[derive(Clone, Debug, Default)]
+pub struct Asked<'a> {
+    /// SHA-256 of the document's text, in hexadecimal.
+    pub document_sha256: Option<&'a str>,
+    /// SHA-256 of the text of administrative data beside the document.
+    pub data_sha256: Option<&'a str>,
+    /// What the stages found striking, a sentence each, for the remarks.
+    pub findings: &'a [String],
+    /// The specification of a statement of conformity, with the SHA-256 of its text.
+    pub spec: Option<(&'a Spec, Option<&'a str>)>,
+}
 
 pub fn context(document: &Document, data: &Certificate, joint: &Joint, asked: &Asked<'_>) -> Value {
     let offsets: PerAxis<(Quantity, f64)> =

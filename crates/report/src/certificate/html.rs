@@ -1,6 +1,6 @@
 //! A certificate as HTML: one file without script and network, for the screen and for paper.
 
-use crate::certificate::{BLANK, Sheet};
+use crate::certificate::sheet::{BLANK, Sheet};
 use crate::page::html;
 use crate::page::template;
 use common::Error;

@@ -11,43 +11,19 @@ mod directions;
 mod expanded;
 mod given;
 mod html;
+mod sheet;
 
+pub use given::Asked;
 pub use html::render;
+pub use sheet::Sheet;
 
-use crate::conformity::{Joint, Spec};
-use crate::page::{Cell, Field, Item, Section, number, template};
+use crate::conformity::Joint;
+use crate::page::{Field, Item, number, template};
 use common::{Certificate, Document, Error, Quantity};
 use estimate::stats;
 use minijinja::Value;
 use serde::Deserialize;
 use std::collections::HashMap;
-
-/// A line to be filled in by hand.
-const BLANK: &str = "________________";
-
-/// A certificate before it is written.
-#[derive(Clone, Debug, Default)]
-pub struct Sheet {
-    /// Its unique identification; None: blank.
-    number: Option<String>,
-    laboratory: Vec<Field>,
-    parts: Vec<Section>,
-    /// What is to be settled before it is issued, a sentence each.
-    pub notes: Vec<String>,
-}
-
-/// What is asked of a certificate.
-#[derive(Clone, Debug, Default)]
-pub struct Asked<'a> {
-    /// SHA-256 of the document's text, in hexadecimal.
-    pub document_sha256: Option<&'a str>,
-    /// SHA-256 of the text of administrative data beside the document.
-    pub data_sha256: Option<&'a str>,
-    /// What the stages found striking, a sentence each, for the remarks.
-    pub findings: &'a [String],
-    /// The specification of a statement of conformity, with the SHA-256 of its text.
-    pub spec: Option<(&'a Spec, Option<&'a str>)>,
-}
 
 /// The certificate of a document.
 ///
@@ -95,29 +71,6 @@ pub fn run(document: &Document, asked: &Asked<'_>) -> Result<Sheet, Error> {
     let number = data.number.clone().filter(|number| !number.trim().is_empty());
     let notes = [days::notes(document, data), alike::notes(document, data)].concat();
     Ok(Sheet { number, laboratory, parts, notes })
-}
-
-impl Sheet {
-    /// What is blank, with its clause.
-    pub fn blank(&self) -> Vec<String> {
-        let number = self.number.is_none().then(|| "number (7.8.2.1 d)".to_string());
-        let (mut fields, mut cells): (Vec<&Field>, _) = (self.laboratory.iter().collect(), Vec::new());
-        for item in self.parts.iter().flat_map(|part| &part.items) {
-            match item {
-                Item::Field(field) => fields.push(field),
-                Item::Table(table) => {
-                    let is_blank = |cell: &&Cell| matches!(cell, Cell::Text(text) if text.contains(BLANK));
-                    let count = table.rows.iter().flatten().filter(is_blank).count();
-                    let words = number::counted(count, "cell");
-                    cells.extend((count > 0).then(|| format!("{words} of the table \"{}\"", table.caption)));
-                }
-                _ => {}
-            }
-        }
-        let fields = fields.into_iter().filter(|field| field.lines.is_empty());
-        let fields = fields.map(|field| format!("{} ({})", field.label.to_lowercase(), field.clause));
-        number.into_iter().chain(fields).chain(cells).collect()
-    }
 }
 
 /// What people are told: the fields that are blank, and the keys that look as if they belonged into one.

@@ -15,11 +15,17 @@ impl Part {
     pub const BOTH: [Self; 2] = [Part::Sensor, Part::Electronics];
 
     pub fn required(self, requirement: &Requirement) -> Option<Temperatures> {
-        [requirement.sensor_temperature_c, requirement.electronics_temperature_c][self as usize]
+        match self {
+            Part::Sensor => requirement.sensor_temperature_c,
+            Part::Electronics => requirement.electronics_temperature_c,
+        }
     }
 
     pub fn word(self) -> &'static str {
-        ["sensor", "electronics"][self as usize]
+        match self {
+            Part::Sensor => "sensor",
+            Part::Electronics => "electronics",
+        }
     }
 
     /// The beginnings of the names of its parameters in `temperature.covariance_order`: of the sensitivity,
@@ -41,7 +47,10 @@ pub struct Range {
 
 /// What the temperature run of a sensor shows of a part.
 fn run(fit: &TemperatureFit, part: Part) -> Option<&TemperatureOfPart> {
-    [fit.sensor.as_ref(), fit.electronics.as_ref()][part as usize]
+    match part {
+        Part::Sensor => fit.sensor.as_ref(),
+        Part::Electronics => fit.electronics.as_ref(),
+    }
 }
 
 /// The temperatures that are asked for, cut to those of the sensor's temperature run where there is one. What

@@ -120,13 +120,15 @@ impl Builder {
             ("say", [words], _) => items.push(Item::Words(words.to_string())),
             ("heading", [words], _) => items.push(Item::Heading(words.to_string())),
             ("field", [label, clause, text], _) => {
-                let text_of_it =
-                    if text.kind() == ValueKind::String { text.to_string() } else { String::new() };
-                let mut field = Field::new(label.to_string(), clause.to_string(), &text_of_it);
-                if text.kind() == ValueKind::Seq {
-                    field.lines = text.try_iter()?.map(|line| line.to_string()).collect();
-                }
-                items.push(Item::Field(field));
+                let with = |text: &str| Field::new(label.to_string(), clause.to_string(), text);
+                items.push(Item::Field(match text.kind() {
+                    ValueKind::String => with(&text.to_string()),
+                    ValueKind::Seq => {
+                        let lines = text.try_iter()?.map(|line| line.to_string()).collect();
+                        Field { lines, ..with("") }
+                    }
+                    _ => with(""),
+                }));
             }
             ("signature", [], _) => items.push(Item::Signature),
             // Beside what is said first.

@@ -111,6 +111,7 @@ fn parts(document: &Document, context: Value, plots: Plots) -> Result<Vec<Sectio
     Ok(sections)
 }
 
+/// The plots of several sensors, the first of each, then the second of each, and so on.
 fn side_by_side(of_each: Vec<Vec<Plot>>) -> Vec<Plot> {
     let numbered = of_each.into_iter().flat_map(|plots| plots.into_iter().enumerate());
     let mut all: Vec<(usize, Plot)> = numbered.collect();

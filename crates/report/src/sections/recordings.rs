@@ -120,7 +120,8 @@ fn plots(recording: &Recording) -> Vec<Plot> {
     let segments = events::segments(recording);
     let mut plots = Vec::new();
     for (unit, names) in &units {
-        let most = if would_lie_flat(recording, names) { 1 } else { STYLES };
+        // All in one plot, or each in its own.
+        let most = if would_lie_flat(recording, names) { 1 } else { names.len() };
         let styled: Vec<(usize, &&str)> = names.iter().enumerate().collect();
         for names in styled.chunks(most) {
             let words: Vec<String> = names.iter().map(|(_, name)| key(name).0).collect();

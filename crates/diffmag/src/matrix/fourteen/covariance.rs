@@ -4,8 +4,10 @@
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 use num_dual::Dual64;
 
+use super::closed;
+use super::known::KnownFive;
 use super::pair::{ANGLES, BETA, Pair, RATIOS};
-use super::{EtaCovariance, Fourteen, KnownFive, NAMES, closed};
+use super::parameters::{EtaCovariance, Fourteen, NAMES};
 
 /// π/√3, rad: the standard deviation of an azimuth that may be any.
 pub const UNDETERMINED_RAD: f64 = 1.813_799_364_234_217_8;

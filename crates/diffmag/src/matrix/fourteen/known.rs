@@ -1,3 +1,5 @@
+//! What is known of one of the instruments.
+
 use common::Magnetometer;
 use common::number::significant;
 use nalgebra::{DMatrix, Matrix3, SMatrix};

@@ -7,8 +7,10 @@ use nalgebra::{Matrix3, Vector3};
 use num_dual::Dual64;
 use physics::{Real, frames};
 
+use super::known::KnownFive;
 use super::pair::Pair;
-use super::{EtaCovariance, KnownFive, no_answer, refuse_singular};
+use super::parameters::EtaCovariance;
+use super::singular::{no_answer, refuse_singular};
 use crate::Error;
 
 /// β, five ratios, two turns of each of four axes.

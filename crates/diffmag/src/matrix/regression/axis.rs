@@ -40,6 +40,7 @@ pub struct AxisFit {
     pub freedom: [f64; 3],
     /// How many times as wide as under the noise the uncertainties of η are by what is left itself.
     pub wider: f64,
+    /// Covariance of η with that of each axis, its own among them: [axis][own element][element there].
     pub across: [[[f64; 3]; 3]; 3],
     pub source: Source,
 }
@@ -76,6 +77,7 @@ impl AxisFit {
 /// The source's fit: least squares of the reference's axes alone.
 pub struct Source {
     pub fit: SpectralFit,
+    /// Standard deviations of the coefficients by Newey and West.
     pub newey_west: Vec<f64>,
     /// T − R η less its mean, nT.
     pub difference: Vec<f64>,
