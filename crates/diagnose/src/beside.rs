@@ -166,8 +166,8 @@ impl Compared {
             let names = set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause)));
             names.collect::<IndexSet<String>>().into_iter().collect()
         };
-        // A lag of which the first order is seen may be a loop's.
-        let either = sets.iter().filter(|set| !set.is_empty()).flat_map(|set| {
+        // A lag of which the first order is seen may be a loop's. A set without a name: no effect at all.
+        let either = sets.iter().flat_map(|set| {
             let delayed = named(set, &|_| None);
             let looped = named(set, &|cause| unrecorded::loop_name(self, cause));
             let twin = (looped != delayed).then_some(looped);

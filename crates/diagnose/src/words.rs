@@ -73,11 +73,8 @@ pub fn answer(entry: &Diagnosis) -> String {
             format!("{}; {with}, {falls}, still above the {noise}", names(entry))
         }
         Verdict::Ambiguous => {
-            let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
-            format!(
-                "{}: indistinguishable in these recordings; with either, {falls} ({noise})",
-                sets.join(" or ")
-            )
+            let sets = sets(entry).join(" or ");
+            format!("{sets}: indistinguishable in these recordings; with either, {falls} ({noise})")
         }
         Verdict::Unexplained => match entry.families.first() {
             Some(first) if first.probability >= SURE && first.share >= AS_MUCH => {
@@ -115,6 +112,12 @@ fn adopted(entry: &Diagnosis) -> String {
         significant(first.held_out_before_nt, 3),
         significant(last.held_out_after_nt, 3)
     )
+}
+
+/// The sets of names that cannot be told apart, each in words.
+pub fn sets(entry: &Diagnosis) -> Vec<String> {
+    let words = |set: &Vec<String>| if set.is_empty() { "no effect".into() } else { set.join(" with ") };
+    entry.ambiguity.iter().map(words).collect()
 }
 
 /// A kind of physics whose member is not determined, with those that may be it.
@@ -219,8 +222,7 @@ fn one(text: &mut String, entry: &Diagnosis) {
         );
     }
     if !entry.ambiguity.is_empty() {
-        let sets: Vec<String> = entry.ambiguity.iter().map(|set| set.join(" with ")).collect();
-        let _ = writeln!(text, "  indistinguishable: {}", sets.join("; "));
+        let _ = writeln!(text, "  indistinguishable: {}", sets(entry).join("; "));
     }
     for share in entry.places.iter().flat_map(|share| &share.readings) {
         let _ = writeln!(

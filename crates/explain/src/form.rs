@@ -195,14 +195,26 @@ fn relaxed(time_s: &[f64], u: &[f64], late_s: f64, held: bool) -> Vec<f64> {
     all
 }
 
+/// Time constants for which a series that is smoothed goes on beyond its ends.
+const BEYOND: f64 = 20.0;
+
 /// A series without what is faster than a time constant, and without delay: the mean of what a relaxation makes of
-/// it forwards and backwards.
+/// it forwards and backwards. Beyond its ends it goes on turned about them, so that a slope passes as it is.
 pub fn smoothed(time_s: &[f64], u: &[f64], late_s: f64) -> Vec<f64> {
-    let forwards = relaxed(time_s, u, late_s, false);
+    let last = time_s.len().saturating_sub(1);
+    let about = |end: usize, row: usize| (2.0 * time_s[end] - time_s[row], 2.0 * u[end] - u[row]);
+    let is_near = |end: usize, row: usize| (time_s[row] - time_s[end]).abs() <= BEYOND * late_s;
+    let before = (1..=last).take_while(|row| is_near(0, *row)).count();
+    let rows = time_s.iter().copied().zip(u.iter().copied());
+    let all = (1..=before).rev().map(|row| about(0, row)).chain(rows);
+    let after = (0..last).rev().take_while(|row| is_near(last, *row)).map(|row| about(last, row));
+    let (time, series): (Vec<f64>, Vec<f64>) = all.chain(after).unzip();
     let turned = |series: &[f64]| -> Vec<f64> { series.iter().rev().copied().collect() };
-    let back: Vec<f64> = time_s.iter().rev().map(|t| -t).collect();
-    let backwards = turned(&relaxed(&back, &turned(u), late_s, false));
-    forwards.iter().zip(&backwards).map(|(a, b)| 0.5 * (a + b)).collect()
+    let back: Vec<f64> = time.iter().rev().map(|t| -t).collect();
+    let forwards = relaxed(&time, &series, late_s, false);
+    let backwards = turned(&relaxed(&back, &turned(&series), late_s, false));
+    let both = forwards.iter().zip(&backwards).map(|(a, b)| 0.5 * (a + b));
+    both.skip(before).take(u.len()).collect()
 }
 
 /// Samples at other times; beyond their ends the first and the last.
@@ -233,6 +245,17 @@ fn centred(mut column: Vec<f64>) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_slope_is_smooth_up_to_its_ends() {
+        let time: Vec<f64> = (0..6000).map(|k| f64::from(k) + if k < 100 { 0.0 } else { 37.0 }).collect();
+        let slope: Vec<f64> = time.iter().map(|t| 25_000.0 - 30.0 * t).collect();
+        for late_s in [4.0, 32.0, 256.0] {
+            let found = smoothed(&time, &slope, late_s);
+            assert!(found.iter().zip(&slope).all(|(a, b)| (a - b).abs() < 1e-3), "{late_s}");
+        }
+        assert_eq!((smoothed(&[], &[], 4.0).len(), smoothed(&[1.0], &[7.0], 4.0)), (0, vec![7.0]));
+    }
 
     fn covariate(values: &[f64]) -> Covariate {
         Covariate {

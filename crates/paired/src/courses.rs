@@ -1,11 +1,16 @@
-//! What acts on a pair without having been recorded: a sensor that answers late, a line, a step, codes that are coarse or
-//! uneven. Each is a course of the engine at the rows of a problem. `striking` looks for all but the first.
+//! What acts on a pair without a column of its own: a sensor that answers late, is not straight or has a scale factor that
+//! follows a temperature, a line, a step, codes that are coarse or uneven. Each is a course of the engine at the rows of a
+//! problem. What is not weighed in any case `striking` looks for.
 
-use explain::{Course, Problem, Term, sampled};
+use common::Column;
+use explain::{Course, Covariate, Problem, Term, sampled};
+use physics::FULL_NT;
 use std::f64::consts::TAU;
 
 use crate::look::turned;
 
+/// Where no component of the field varies by so much, nT, a change of a scale factor is one of an offset.
+const TURNS_NT: f64 = 1000.0;
 /// Steps so near, as a share of the length, are one.
 const NEAR: f64 = 0.01;
 /// Harmonics of uneven codes.
@@ -27,6 +32,10 @@ pub enum Acting {
     Step(f64),
     /// What was given with this number.
     Given(usize),
+    /// A sensor's response has a term in this power of the field along it.
+    Bent(usize, i32),
+    /// A sensor's scale factor follows the covariate with this number.
+    Scaled(usize, usize),
 }
 
 /// What repeats along a reading.
@@ -123,6 +132,17 @@ impl Acting {
     ) -> Course {
         let shapes = match *self {
             Self::Late(sensor) => vec![vec![sensors.shown(sensor, &sensors.late[sensor])]],
+            Self::Bent(sensor, power) => {
+                let more = sensors.fields[sensor].iter().map(|nt| (nt / FULL_NT).powi(power));
+                vec![vec![sensors.shown(sensor, &more.collect::<Vec<f64>>())]]
+            }
+            Self::Scaled(sensor, number) => {
+                let of = &problem.covariates[number];
+                let along = sampled(&of.time_s, &of.values, &problem.time_s, of.holds());
+                let mean = estimate::stats::mean(&along);
+                let more = sensors.fields[sensor].iter().zip(&along).map(|(nt, at)| nt * (at - mean));
+                vec![vec![sensors.shown(sensor, &more.collect::<Vec<f64>>())]]
+            }
             Self::Given(number) => {
                 let Given { time_s, shapes, .. } = &given[number];
                 let at =
@@ -171,9 +191,24 @@ impl Acting {
         }
     }
 
+    /// What is weighed in any case of sensors beside a reference, with what was recorded beside them: late answers, and
+    /// where the field turns how straight the sensors are, and whether their scale factors follow a temperature.
+    pub fn usual(reference: &[Column; 3], covariates: &[Covariate]) -> Vec<Self> {
+        let mut all: Vec<Self> = (0..3).map(Self::Late).collect();
+        if reference.iter().any(|component| range(component) > TURNS_NT) {
+            let warm = |number: &usize| covariates[*number].name.ends_with("_c");
+            let warm: Vec<usize> = (0..covariates.len()).filter(warm).collect();
+            for sensor in 0..3 {
+                all.extend([2, 3].map(|power| Self::Bent(sensor, power)));
+                all.extend(warm.iter().map(|number| Self::Scaled(sensor, *number)));
+            }
+        }
+        all
+    }
+
     /// Whether it is weighed in any case.
     pub fn is_usual(&self) -> bool {
-        matches!(self, Self::Late(_) | Self::Given(_))
+        matches!(self, Self::Late(_) | Self::Given(_) | Self::Bent(..) | Self::Scaled(..))
     }
 }
 

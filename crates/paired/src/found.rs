@@ -176,8 +176,8 @@ impl Weighed {
 /// done.
 /// Refused: readings that a fit cannot use.
 pub fn find(recorded: &Pair, asked: Asked, told: &dyn Fn(&str)) -> Result<Found, Error> {
-    let sensors = 0..if asked.unrecorded { 3 } else { 0 };
-    let acting = sensors.map(Acting::Late).chain((0..asked.given.len()).map(Acting::Given));
+    let usual = asked.unrecorded.then(|| Acting::usual(&recorded.reference, &asked.covariates));
+    let acting = usual.into_iter().flatten().chain((0..asked.given.len()).map(Acting::Given));
     let correct_clock = asked.correct_clock;
     let mut found = Found {
         recorded: recorded.clone(),

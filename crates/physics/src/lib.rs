@@ -53,7 +53,9 @@ pub use chain::{Direction, LeftOut, Prediction, predict, predict_acting, predict
 pub use context::{Context, KELVIN, References, Thermometer, Unit, orientation};
 pub use directions::directions;
 pub use effect::{About, Acts, ParameterInfo, Place, Role, Stage};
-pub use effects::{HARMONICS as SUN_HARMONICS, chebyshev, harmonics_at as sun_harmonics, machines_run};
+pub use effects::{
+    FULL_NT, HARMONICS as SUN_HARMONICS, chebyshev, harmonics_at as sun_harmonics, machines_run,
+};
 pub use error::{Error, Result};
 pub use family::Family;
 pub use instance::{EffectInstance, Within, adopt, state_references};

@@ -10,7 +10,7 @@ use common::uncertainty::Block;
 use common::{Axis, Code, CrossFieldFit, CrossFieldLevels, FTest, FitNoise, Quantity, TestResult, procedure};
 use estimate::stats;
 use faer::{Col, Mat};
-use physics::Kind;
+use physics::{FULL_NT, Kind};
 
 use crate::adopt;
 use crate::conditions::Conditions;
@@ -20,7 +20,7 @@ use crate::fit::{self, Fit, Problem, Unknown};
 use crate::leaning::{ACROSS, Across};
 use crate::levels;
 use crate::passes::{self, LeftOut};
-use crate::readings::{FULL_NT, Run, code_width, runs};
+use crate::readings::{Run, code_width, runs};
 use crate::shape::{Place, Shape, Subject};
 use crate::sides::Sides;
 use crate::sizes::Sized;

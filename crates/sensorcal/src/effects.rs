@@ -2,12 +2,12 @@
 
 use common::Axis;
 use nalgebra::Matrix3;
-use physics::{Kind, frames};
+use physics::{FULL_NT, Kind, frames};
 
 use crate::Result;
 use crate::departure::{Candidate, beside, used, visible_share};
 use crate::fit::Fit;
-use crate::readings::{FULL_NT, Run};
+use crate::readings::Run;
 use crate::sides::Directions;
 use faer::Mat;
 

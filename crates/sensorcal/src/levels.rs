@@ -3,13 +3,14 @@
 use common::{Quantity, TemperatureLevels};
 use faer::Mat;
 use indexmap::IndexMap;
+use physics::FULL_NT;
 use std::collections::HashSet;
 
 use crate::Result;
 use crate::departure::noise_called_for;
 use crate::fit::{self, Fit, Problem, Unknown};
 use crate::heated::Heated;
-use crate::readings::{FULL_NT, Run, along, span};
+use crate::readings::{Run, along, span};
 use crate::shape::{Place, Shape};
 
 /// Temperatures within this of each other are one level, K.

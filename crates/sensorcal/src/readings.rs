@@ -7,9 +7,6 @@ use physics::{Basic, Context, References, Unit};
 
 use crate::{Error, Result};
 
-/// Fields count in units of the catalogue's reference field.
-pub const FULL_NT: f64 = 50_000.0;
-
 /// Share of the variance that a straight line of the reading against the field must explain.
 const FOLLOWS: f64 = 0.9;
 /// A sensitivity may differ from what is stated by this factor before it is a mistake of columns or units.

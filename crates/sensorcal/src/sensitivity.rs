@@ -7,13 +7,13 @@ use common::{
     TestResult, procedure,
 };
 use estimate::{normality, stats};
-use physics::{Kind, Parameter, Unit};
+use physics::{FULL_NT, Kind, Parameter, Unit};
 
 use crate::adopt;
 use crate::conditions::Conditions;
 use crate::departure::{self, Candidate, FOUND_BELOW};
 use crate::fit::{self, Fit, Problem, Unknown};
-use crate::readings::{FULL_NT, Run, along, code_width, first_sensitivity, runs};
+use crate::readings::{Run, along, code_width, first_sensitivity, runs};
 use crate::saturation;
 use crate::shape::{Place, Subject};
 use crate::{Error, Result};

@@ -3,7 +3,7 @@
 use common::number::{significant, uncertain};
 use common::{Diagnosis, ExplainedEffect, Quantity, Verdict};
 
-use crate::plain;
+use crate::{plain, words};
 
 /// Most effects that the sentence names.
 const HEAD: usize = 3;
@@ -24,8 +24,8 @@ pub fn answer(diagnosis: &Diagnosis, what: &str) -> String {
             rms(fit.noise_floor_nt)
         ),
         Verdict::Ambiguous => {
-            let sets: Vec<String> = diagnosis.ambiguity.iter().map(|set| set.join(" with ")).collect();
-            format!("what {what} reads has several explanations: {}; {with}, {falls}", sets.join(" or "))
+            let sets = words::sets(diagnosis).join(" or ");
+            format!("what {what} reads has several explanations: {sets}; {with}, {falls}")
         }
         _ => {
             let named: Vec<String> = diagnosis.effects.iter().take(HEAD).map(sized).collect();

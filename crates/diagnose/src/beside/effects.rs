@@ -59,7 +59,7 @@ pub fn cause(compared: &Compared, number: usize, one: &Amplitude) -> ExplainedEf
         },
         sensor,
         parameters: parameters(compared, one, column.as_deref()),
-        column,
+        column: column.or_else(|| unrecorded::column(compared, one.cause).map(str::to_string)),
         p_adjusted: (-explained.gains[number]).exp().min(1.0),
         // A delay and a loop are as probable.
         probability: Some(

@@ -46,20 +46,22 @@ fn share_running(local_s: f64, ramp_h: f64) -> f64 {
     (0..STARTS).filter(|k| runs(*k)).count() as f64 / STARTS as f64
 }
 
-/// What a cause is, where it is a course.
+/// What a cause is, where it is a course. Coarse codes repeat along the reading as uneven ones do.
 fn acting(compared: &Compared, cause: Cause) -> Option<Acting> {
-    match cause {
-        Cause::Course(number) => Some(compared.of.acting[number]),
-        _ => None,
-    }
+    let Cause::Course(number) = cause else { return None };
+    let acting = compared.of.acting[number];
+    let Acting::Uneven(sensor, uneven) = acting else { return Some(acting) };
+    Some(compared.coarse_nt(sensor, uneven).map_or(acting, |width| Acting::Coarse(sensor, width)))
 }
 
 pub fn sensor(compared: &Compared, cause: Cause) -> Option<Axis> {
     match acting(compared, cause)? {
         Acting::Line(_) | Acting::Step(_) | Acting::Given(_) => None,
-        Acting::Late(sensor) | Acting::Coarse(sensor, _) | Acting::Uneven(sensor, _) => {
-            Some(Axis::ALL[sensor])
-        }
+        Acting::Late(sensor)
+        | Acting::Coarse(sensor, _)
+        | Acting::Uneven(sensor, _)
+        | Acting::Bent(sensor, _)
+        | Acting::Scaled(sensor, _) => Some(Axis::ALL[sensor]),
     }
 }
 
@@ -71,9 +73,13 @@ pub fn kind(compared: &Compared, cause: Cause) -> Option<Kind> {
         Acting::Coarse(..) => Kind::Quantisation,
         Acting::Given(_) => Kind::WorkingHours,
         Acting::Step(_) => Kind::ReadingStep,
-        // Coarse codes repeat along the reading too.
-        Acting::Uneven(sensor, uneven) if compared.is_coarse(sensor, uneven) => Kind::Quantisation,
         Acting::Uneven(..) => Kind::DifferentialNonlinearity,
+        Acting::Bent(_, 2) => Kind::QuadraticNonlinearity,
+        Acting::Bent(..) => Kind::CubicNonlinearity,
+        Acting::Scaled(_, number) if compared.covariate(number).name.contains("electronics") => {
+            Kind::SensitivityElectronicsTemperature
+        }
+        Acting::Scaled(..) => Kind::SensitivityTemperature,
     })
 }
 
@@ -82,9 +88,19 @@ fn line(compared: &Compared, hz: f64) -> (Kind, f64) {
     aliases(hz, compared.of.frame.step_s.recip()).first().copied().unwrap_or((Kind::PeriodicField, hz))
 }
 
+/// The column that it follows.
+pub fn column(compared: &Compared, cause: Cause) -> Option<&str> {
+    let Acting::Scaled(_, number) = acting(compared, cause)? else { return None };
+    Some(&compared.covariate(number).name)
+}
+
 pub fn name(compared: &Compared, cause: Cause) -> String {
     let kind = kind(compared, cause).map_or("", Kind::name);
-    sensor(compared, cause).map_or(kind.into(), |axis| format!("{kind} {axis}"))
+    let of = sensor(compared, cause).map_or(kind.into(), |axis| format!("{kind} {axis}"));
+    match column(compared, cause) {
+        Some(column) => format!("{of} by {column}"),
+        None => of,
+    }
 }
 
 /// The name that it has as a loop's lag, where it may be one.
@@ -104,10 +120,11 @@ pub fn parameters(compared: &Compared, one: &Amplitude) -> IndexMap<String, Quan
             let of_all = one.channels.iter().map(Vec::as_slice);
             all.insert("frequency_hz".into(), compared.frequency(line(compared, hz).1, of_all))
         }
-        Some(Acting::Coarse(_, width)) => all.insert("width_nt".into(), Quantity::Bare(width)),
-        Some(Acting::Uneven(sensor, uneven)) if compared.is_coarse(sensor, uneven) => {
-            all.insert("width_nt".into(), Quantity::Bare(uneven.period_nt))
+        Some(Acting::Bent(..)) => all.insert("departure_nt".into(), first(0)),
+        Some(Acting::Scaled(..)) => {
+            all.insert("coefficient_ppm_per_k".into(), super::effects::times(&first(0), 1e6))
         }
+        Some(Acting::Coarse(_, width)) => all.insert("width_nt".into(), Quantity::Bare(width)),
         // The odd harmonics of a square wave of this height.
         Some(Acting::Uneven(_, Uneven { bit: (period, from), .. })) if one.form.shape == 0 => {
             for k in [1, 3, 5] {
@@ -144,10 +161,11 @@ fn harmonic(part: &str, k: i32) -> String {
 }
 
 impl Compared {
-    /// Whether what repeats along a sensor's reading does so with its coarse codes.
-    fn is_coarse(&self, sensor: usize, uneven: Uneven) -> bool {
-        let alike = |width: f64| (uneven.period_nt / width - 1.0).abs() < ALIKE;
-        self.coarse.iter().any(|(axis, width)| axis.index() == sensor && alike(*width))
+    /// The width of a sensor's coarse codes, nT, where what repeats along its reading does so with them.
+    fn coarse_nt(&self, sensor: usize, uneven: Uneven) -> Option<f64> {
+        let mut widths =
+            self.coarse.iter().filter(|(axis, _)| axis.index() == sensor).map(|(_, width)| *width);
+        widths.find(|width| (uneven.period_nt / width - 1.0).abs() < ALIKE)
     }
 
     /// A frequency with its uncertainty, by what the sizes of sines and cosines are uncertain: σ_f = √3 σ_A/(π T A)

@@ -233,3 +233,52 @@ fn late_times_are_named_across_two_recordings_of_different_rates() {
     let (together, _) = diagnosed(apart(0.0));
     assert!(together.effects.is_empty(), "{}", together.answer);
 }
+
+/// In orbit the field turns: noise of the reference and curves of the field are no effect, a scale factor that follows the
+/// temperature and a response that is not straight have their names and sizes.
+#[test]
+fn where_the_field_turns_scale_factors_and_curves_are_named() {
+    for (change, expected) in [
+        ("nothing", vec![]),
+        ("warm", vec![("sensitivity_temperature", "coefficient_ppm_per_k", 30.0)]),
+        ("curved", vec![("quadratic_nonlinearity", "departure_nt", 20.0)]),
+    ] {
+        let mut stream = noise::Stream::new(7, change);
+        let mut columns = json!({});
+        let time: Vec<f64> = (0..6000).map(f64::from).collect();
+        let warm: Vec<f64> = time.iter().map(|t| 20.0 + 12.0 * (t / 880.0 + 0.4).sin()).collect();
+        for (axis, name) in ["x", "y", "z"].iter().enumerate() {
+            let field = |t: f64| match axis {
+                0 => 25e3 * (t / 900.0).cos() + 3e3 * (t / 140.0).sin(),
+                1 => -18e3 * (t / 1100.0).sin(),
+                _ => 30e3 * (t / 1500.0 + 1.0).cos(),
+            };
+            let more = |field: f64, kelvin: f64| match change {
+                "warm" if axis == 0 => 30e-6 * kelvin * field,
+                "curved" if axis == 0 => 20.0 * (field / 5e4).powi(2),
+                _ => 0.0,
+            };
+            let reference: Vec<f64> = time.iter().map(|t| field(*t) + 0.3 * stream.normal()).collect();
+            let of = |(t, warm): (&f64, &f64)| {
+                let own = 1.001 * field(*t) + 50.0;
+                own + more(own, warm - 20.0) + stream.normal()
+            };
+            let test: Vec<f64> = time.iter().zip(&warm).map(of).collect();
+            columns[format!("reference_{name}_nt")] = json!(reference);
+            columns[format!("test_{name}_nt")] = json!(test);
+        }
+        (columns["time_s"], columns["test_temperature_c"]) = (json!(time), json!(warm));
+        let recording = json!({"id": "orbit", "procedure": "differential", "columns": columns});
+        let entry = diagnosed(parsed(&json!({"fluxcal": 1, "recordings": [recording]}))).0;
+        let verdict = if expected.is_empty() { Verdict::Agrees } else { Verdict::Explained };
+        assert_eq!((entry.verdict, entry.effects.len()), (verdict, expected.len()), "{}", entry.answer);
+        let fit = entry.fit.as_ref().expect("a fit");
+        assert!(fit.held_out_after_nt < 1.02 * fit.rms_after_nt, "{fit:?}");
+        for (effect, (name, parameter, truth)) in entry.effects.iter().zip(expected) {
+            assert_eq!((effect.effect.as_str(), effect.sensor), (name, Some(common::Axis::X)));
+            let found = &effect.parameters[parameter];
+            let off = (found.value() - truth) / found.std().expect("an uncertainty");
+            assert!(off.abs() < 3.0, "{name}: {found}");
+        }
+    }
+}

@@ -26,5 +26,6 @@ mod time;
 
 pub use empirical::chebyshev;
 pub use gradient::add_known_gradient;
+pub use prelude::FULL_NT;
 pub use sun::{HARMONICS, harmonics_at};
 pub use surroundings::machines_run;

@@ -1,8 +1,8 @@
 use common::uncertainty;
 use common::{AdoptedEffect, Axis, CrossFieldFit, Document, Quantity, SensorCalibration};
 use nalgebra::Vector3;
-use physics::Kind;
 use physics::frames::ARCSEC;
+use physics::{FULL_NT, Kind};
 
 use crate::conformity::directions::turn_per_k;
 use crate::conformity::joint::{self, ACROSS, Joint};
@@ -10,9 +10,6 @@ use crate::conformity::offset::{Drift, drift};
 use crate::conformity::range::{calibrated_nt, codes_nt};
 use crate::conformity::spec::Requirement;
 use crate::conformity::temperature::{Coefficients, Part};
-
-/// The field at which the catalogue gives nonlinearity and fields across, nT.
-const FULL_NT: f64 = 50_000.0;
 
 /// What is not in the budget, with the sensors of which that holds.
 #[derive(Default)]
