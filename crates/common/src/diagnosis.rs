@@ -30,7 +30,7 @@ pub struct Diagnosis {
     /// The kinds of physics that explain it, whatever their form, the one that explains most first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub families: Vec<ExplainedFamily>,
-    /// Sets of effects that do equally well, an empty one where none may be needed; empty where there is one answer.
+    /// Sets of effects that do equally well, `no effect` where none may be needed; empty where there is one answer.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ambiguity: Vec<Vec<String>>,
     /// Structure that no effect names.

@@ -166,8 +166,11 @@ impl Compared {
             let names = set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause)));
             names.collect::<IndexSet<String>>().into_iter().collect()
         };
-        // A lag of which the first order is seen may be a loop's. A set without a name: no effect at all.
+        // A lag of which the first order is seen may be a loop's.
         let either = sets.iter().flat_map(|set| {
+            if set.is_empty() {
+                return [vec!["no effect".to_string()]].into_iter().chain(None);
+            }
             let delayed = named(set, &|_| None);
             let looped = named(set, &|cause| unrecorded::loop_name(self, cause));
             let twin = (looped != delayed).then_some(looped);

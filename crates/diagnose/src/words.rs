@@ -116,8 +116,7 @@ fn adopted(entry: &Diagnosis) -> String {
 
 /// The sets of names that cannot be told apart, each in words.
 pub fn sets(entry: &Diagnosis) -> Vec<String> {
-    let words = |set: &Vec<String>| if set.is_empty() { "no effect".into() } else { set.join(" with ") };
-    entry.ambiguity.iter().map(words).collect()
+    entry.ambiguity.iter().map(|set| set.join(" with ")).collect()
 }
 
 /// A kind of physics whose member is not determined, with those that may be it.
