@@ -13,7 +13,7 @@ use common::{
     Share, Verdict,
 };
 use estimate::stats::rms;
-use explain::{Cause, Covariate};
+use explain::{Cause, Covariate, Form};
 use indexmap::IndexSet;
 use paired::{Asked, Explanation};
 use physics::Kind;
@@ -147,6 +147,17 @@ impl Compared {
         }
     }
 
+    /// The effect that a cause is, with what it acts on or follows.
+    fn label(&self, cause: Cause) -> String {
+        let named = self.of.explained.causes.iter().find(|one| one.cause == cause);
+        let kind = effects::kind(self, cause, named.map_or(Form::default(), |one| one.form)).name();
+        match cause {
+            Cause::Course(_) => self.name(cause),
+            Cause::Covariate(_) => format!("{kind} {}", self.name(cause)),
+            Cause::Time | Cause::Clock => kind.into(),
+        }
+    }
+
     /// Sets of names that explain as well, where no single one is sure.
     fn ambiguity(&self) -> Vec<Vec<String>> {
         let uncertain = self.of.explained.probabilities.iter().any(|own| *own < NAMED);
@@ -163,7 +174,7 @@ impl Compared {
         };
         // How many steps or lines there are is not a matter of names.
         let named = |set: &Vec<Cause>, lag: &dyn Fn(Cause) -> Option<String>| -> Vec<String> {
-            let names = set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.name(*cause)));
+            let names = set.iter().map(|cause| lag(*cause).unwrap_or_else(|| self.label(*cause)));
             names.collect::<IndexSet<String>>().into_iter().collect()
         };
         // A lag of which the first order is seen may be a loop's.
