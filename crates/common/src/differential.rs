@@ -1,7 +1,7 @@
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::diagnosis::ABSURD;
+use crate::residual::ABSURD;
 use crate::{
     AllanDeviation, Extra, Findings, HeldOutPrediction, Matrix3x3, PerAxis, Quantity, ResidualSeries,
 };

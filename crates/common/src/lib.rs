@@ -44,6 +44,7 @@ mod plain;
 mod quantity;
 pub mod range;
 mod recording;
+mod residual;
 mod scalar;
 #[cfg(feature = "schema")]
 pub mod schema;
@@ -79,6 +80,7 @@ pub use parse::{FORMAT_VERSION, Versioned, at_path, line_of, parse};
 pub use plain::{HeldOutPrediction, PlainRegression};
 pub use quantity::{Matrix3x3, OneOrEach, Quantity};
 pub use recording::{Columns, Conditions, Dropped, Recording, Theodolite, TheodoliteAngle, procedure};
+pub use residual::*;
 pub use scalar::*;
 pub use sensor::*;
 pub use sensor_conditions::*;

@@ -147,10 +147,15 @@ impl Compared {
         }
     }
 
-    /// The effect that a cause is, with what it acts on or follows.
-    fn label(&self, cause: Cause) -> String {
+    /// The effect that a cause is, in the form in which it was found.
+    fn kind(&self, cause: Cause) -> Kind {
         let named = self.of.explained.causes.iter().find(|one| one.cause == cause);
-        let kind = effects::kind(self, cause, named.map_or(Form::default(), |one| one.form)).name();
+        effects::kind(self, cause, named.map_or(Form::default(), |one| one.form))
+    }
+
+    /// The same with what it acts on or follows.
+    fn label(&self, cause: Cause) -> String {
+        let kind = self.kind(cause).name();
         match cause {
             Cause::Course(_) => self.name(cause),
             Cause::Covariate(_) => format!("{kind} {}", self.name(cause)),

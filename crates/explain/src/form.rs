@@ -195,11 +195,12 @@ fn relaxed(time_s: &[f64], u: &[f64], late_s: f64, held: bool) -> Vec<f64> {
     all
 }
 
-/// Time constants for which a series that is smoothed goes on beyond its ends.
+/// Time constants by which a series is extended at its ends to be smoothed.
 const BEYOND: f64 = 20.0;
 
 /// A series without what is faster than a time constant, and without delay: the mean of what a relaxation makes of
-/// it forwards and backwards. Beyond its ends it goes on turned about them, so that a slope passes as it is.
+/// it forwards and backwards. Its ends are extended by reflection through the end points, so that a slope of a series longer
+/// than 20 time constants passes unchanged.
 pub fn smoothed(time_s: &[f64], u: &[f64], late_s: f64) -> Vec<f64> {
     let last = time_s.len().saturating_sub(1);
     let about = |end: usize, row: usize| (2.0 * time_s[end] - time_s[row], 2.0 * u[end] - u[row]);

@@ -13,8 +13,6 @@ use crate::stack::Stack;
 
 /// Blocks of rows that are left out in turn.
 const BLOCKS: usize = 10;
-/// Ways in which coefficients are found.
-const WAYS: usize = 3;
 
 /// Rms of readings that were left out.
 #[derive(Clone, Debug)]
@@ -135,7 +133,7 @@ fn stepwise(stack: &Stack, gram: &Mat<f64>, rows: usize, channel: usize) -> Resu
 
 /// Rms of each channel's readings that are left out, for each entry of `without`: by all causes but that one, or by
 /// all for `None`. A prediction is what the columns give and the most likely noise, given the readings before and
-/// after; the coefficients are those found in the way that predicts best.
+/// after; the coefficients are those under the noise, or of plain least squares where these predict better.
 pub fn predicted(
     problem: &Problem,
     fitted: &Fitted,
@@ -147,14 +145,14 @@ pub fn predicted(
         let mut distinct = sets.clone();
         distinct.sort_unstable();
         distinct.dedup();
-        let blocks: Vec<Vec<[f64; WAYS]>> = (0..BLOCKS)
+        let blocks: Vec<Vec<[f64; 2]>> = (0..BLOCKS)
             .into_par_iter()
             .map(|block| missed(problem, fitted, channel, block, &distinct))
             .collect::<Result<_, _>>()?;
         let rms = |set: &Vec<usize>| {
             let place = distinct.partition_point(|other| other < set);
             let squares = |by: usize| blocks.iter().map(|missed| missed[place][by]).sum::<f64>();
-            ((0..WAYS).map(squares).fold(f64::INFINITY, f64::min) / problem.rows().max(1) as f64).sqrt()
+            (squares(0).min(squares(1)) / problem.rows().max(1) as f64).sqrt()
         };
         Ok(sets.iter().map(rms).collect())
     };
@@ -163,15 +161,15 @@ pub fn predicted(
     Ok((0..without.len()).map(|set| of_channels.iter().map(|rms| rms[set]).collect()).collect())
 }
 
-/// Sums of the squares by which a block is missed with each set of columns, with coefficients under the noise, of plain
-/// least squares, and of these without the columns that are known to do little.
+/// Sums of the squares by which a block is missed with each set of columns, with coefficients under the noise and of
+/// plain least squares.
 fn missed(
     problem: &Problem,
     fitted: &Fitted,
     channel: usize,
     block: usize,
     sets: &[Vec<usize>],
-) -> Result<Vec<[f64; WAYS]>, Error> {
+) -> Result<Vec<[f64; 2]>, Error> {
     let (columns, known) = fitted.columns_of(channel);
     let y = &problem.channels[channel];
     let rows = problem.rows();
@@ -192,12 +190,10 @@ fn missed(
     let mut white = own;
     filter.whiten_all(&mut white);
     let under_noise = products(&white);
-    let each = |set: &Vec<usize>| {
-        let free: Vec<usize> = set.iter().copied().filter(|column| known[*column] == 0.0).collect();
-        [(&under_noise, set), (&plain, set), (&plain, &free)]
-            .map(|(gram, set)| Fit::of(gram, columns.len(), set))
-    };
-    let fits: Vec<Fit> = sets.iter().flat_map(each).collect();
+    // Each set under the noise, then by plain least squares.
+    let grams = [&under_noise, &plain];
+    let fits: Vec<Fit> =
+        sets.iter().flat_map(|set| grams.map(|gram| Fit::of(gram, columns.len(), set))).collect();
     let likely = if filter.is_white() {
         vec![vec![0.0; to - from]; fits.len()]
     } else {

@@ -1,6 +1,6 @@
-//! What acts on a pair without a column of its own: a sensor that answers late, is not straight or has a scale factor that
-//! follows a temperature, a line, a step, codes that are coarse or uneven. Each is a course of the engine at the rows of a
-//! problem. What is not weighed in any case `striking` looks for.
+//! What acts on a pair without a column of its own: a sensor that answers late, is nonlinear or has a scale factor that
+//! follows a temperature; a line, a step, codes that are coarse or uneven. Each is a course of the engine at the rows of a
+//! problem. `striking` looks for those that are not weighed in any case.
 
 use common::Column;
 use explain::{Course, Covariate, Problem, Term, sampled};
@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use crate::look::turned;
 
-/// Where no component of the field varies by so much, nT, a change of a scale factor is one of an offset.
+/// Where no component of the field varies by so much, nT, a change of a scale factor cannot be told from one of an offset.
 const TURNS_NT: f64 = 1000.0;
 /// Steps so near, as a share of the length, are one.
 const NEAR: f64 = 0.01;
@@ -33,9 +33,9 @@ pub enum Acting {
     /// What was given with this number.
     Given(usize),
     /// A sensor's response has a term in this power of the field along it.
-    Bent(usize, i32),
+    Nonlinear(usize, i32),
     /// A sensor's scale factor follows the covariate with this number.
-    Scaled(usize, usize),
+    ScaleFactor(usize, usize),
 }
 
 /// What repeats along a reading.
@@ -132,11 +132,11 @@ impl Acting {
     ) -> Course {
         let shapes = match *self {
             Self::Late(sensor) => vec![vec![sensors.shown(sensor, &sensors.late[sensor])]],
-            Self::Bent(sensor, power) => {
+            Self::Nonlinear(sensor, power) => {
                 let more = sensors.fields[sensor].iter().map(|nt| (nt / FULL_NT).powi(power));
                 vec![vec![sensors.shown(sensor, &more.collect::<Vec<f64>>())]]
             }
-            Self::Scaled(sensor, number) => {
+            Self::ScaleFactor(sensor, number) => {
                 let of = &problem.covariates[number];
                 let along = sampled(&of.time_s, &of.values, &problem.time_s, of.holds());
                 let mean = estimate::stats::mean(&along);
@@ -191,16 +191,16 @@ impl Acting {
         }
     }
 
-    /// What is weighed in any case of sensors beside a reference, with what was recorded beside them: late answers, and
-    /// where the field turns how straight the sensors are, and whether their scale factors follow a temperature.
+    /// What is weighed in any case for the sensors: late answers; where the field turns also nonlinear responses, and scale
+    /// factors that follow a recorded temperature.
     pub fn usual(reference: &[Column; 3], covariates: &[Covariate]) -> Vec<Self> {
         let mut all: Vec<Self> = (0..3).map(Self::Late).collect();
         if reference.iter().any(|component| range(component) > TURNS_NT) {
             let warm = |number: &usize| covariates[*number].name.ends_with("_c");
             let warm: Vec<usize> = (0..covariates.len()).filter(warm).collect();
             for sensor in 0..3 {
-                all.extend([2, 3].map(|power| Self::Bent(sensor, power)));
-                all.extend(warm.iter().map(|number| Self::Scaled(sensor, *number)));
+                all.extend([2, 3].map(|power| Self::Nonlinear(sensor, power)));
+                all.extend(warm.iter().map(|number| Self::ScaleFactor(sensor, *number)));
             }
         }
         all
@@ -208,7 +208,7 @@ impl Acting {
 
     /// Whether it is weighed in any case.
     pub fn is_usual(&self) -> bool {
-        matches!(self, Self::Late(_) | Self::Given(_) | Self::Bent(..) | Self::Scaled(..))
+        matches!(self, Self::Late(_) | Self::Given(_) | Self::Nonlinear(..) | Self::ScaleFactor(..))
     }
 }
 

@@ -60,8 +60,8 @@ pub fn problem(
     (problem.at(&kept), sensors.at(&kept), kept.into_iter().map(|row| rows[row]).collect())
 }
 
-/// What is faster than some steps in each column: less what is slow, twice, so that a curve of the field leaves as little
-/// as a slope does.
+/// What is faster than some steps in each column, by a high-pass filter that is applied twice, so that neither slope nor
+/// curvature of the field is left.
 fn fast(time_s: &[f64], columns: &[Vec<f64>], step_s: f64) -> Vec<Vec<f64>> {
     let steps = SMOOTH_STEPS.into_iter().filter(|steps| time_s.len() as f64 >= SMOOTH_ROWS * steps);
     let of = |(column, steps): (&Vec<f64>, f64)| {

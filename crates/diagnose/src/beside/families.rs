@@ -1,11 +1,11 @@
 //! The kinds of physics among the causes of a difference.
 
 use common::{ExplainedEffect, ExplainedFamily, FamilyMember};
-use explain::{Cause, Form};
+use explain::Cause;
 use physics::{Family, Kind};
 use std::collections::BTreeSet;
 
-use super::{Compared, effects};
+use super::Compared;
 use crate::families::{by_share, described};
 
 /// The families of the effects that were found, the one that explains most first: how probable each is, and its
@@ -13,10 +13,6 @@ use crate::families::{by_share, described};
 pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<ExplainedFamily> {
     let explained = &compared.of.explained;
     let causes: BTreeSet<Cause> = explained.rivals.iter().flat_map(|set| set.causes.clone()).collect();
-    let kind = |cause: Cause| {
-        let named = explained.causes.iter().find(|one| one.cause == cause);
-        effects::kind(compared, cause, named.map_or(Form::default(), |one| one.form))
-    };
     let weight = |any_of: &[Cause]| -> f64 {
         let sets = explained.rivals.iter().filter(|set| set.causes.iter().any(|one| any_of.contains(one)));
         sets.map(|set| set.probability).sum::<f64>().min(1.0)
@@ -28,7 +24,8 @@ pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<Explained
         if own.is_empty() {
             return None;
         }
-        let weighed: Vec<Cause> = causes.iter().copied().filter(|cause| is_of(kind(*cause))).collect();
+        let weighed: Vec<Cause> =
+            causes.iter().copied().filter(|cause| is_of(compared.kind(*cause))).collect();
         let apart = own.iter().filter(|effect| effect.share.is_none());
         let mut members: Vec<FamilyMember> = apart
             .map(|effect| FamilyMember {
@@ -37,13 +34,11 @@ pub fn families(compared: &Compared, found: &[ExplainedEffect]) -> Vec<Explained
             })
             .collect();
         let certain = members.iter().map(|member| member.probability).fold(0.0, f64::max);
-        members.extend(weighed.iter().map(|cause| FamilyMember {
-            effect: match cause {
-                Cause::Course(_) => compared.name(*cause),
-                _ => format!("{} {}", kind(*cause).name(), compared.name(*cause)),
-            },
-            probability: weight(&[*cause]),
-        }));
+        members.extend(
+            weighed
+                .iter()
+                .map(|cause| FamilyMember { effect: compared.label(*cause), probability: weight(&[*cause]) }),
+        );
         Some(ExplainedFamily {
             probability: weight(&weighed).max(certain),
             share: own.iter().filter_map(|effect| effect.share).sum::<f64>().min(1.0),

@@ -60,8 +60,8 @@ pub fn sensor(compared: &Compared, cause: Cause) -> Option<Axis> {
         Acting::Late(sensor)
         | Acting::Coarse(sensor, _)
         | Acting::Uneven(sensor, _)
-        | Acting::Bent(sensor, _)
-        | Acting::Scaled(sensor, _) => Some(Axis::ALL[sensor]),
+        | Acting::Nonlinear(sensor, _)
+        | Acting::ScaleFactor(sensor, _) => Some(Axis::ALL[sensor]),
     }
 }
 
@@ -74,12 +74,12 @@ pub fn kind(compared: &Compared, cause: Cause) -> Option<Kind> {
         Acting::Given(_) => Kind::WorkingHours,
         Acting::Step(_) => Kind::ReadingStep,
         Acting::Uneven(..) => Kind::DifferentialNonlinearity,
-        Acting::Bent(_, 2) => Kind::QuadraticNonlinearity,
-        Acting::Bent(..) => Kind::CubicNonlinearity,
-        Acting::Scaled(_, number) if compared.covariate(number).name.contains("electronics") => {
+        Acting::Nonlinear(_, 2) => Kind::QuadraticNonlinearity,
+        Acting::Nonlinear(..) => Kind::CubicNonlinearity,
+        Acting::ScaleFactor(_, number) if compared.covariate(number).name.contains("electronics") => {
             Kind::SensitivityElectronicsTemperature
         }
-        Acting::Scaled(..) => Kind::SensitivityTemperature,
+        Acting::ScaleFactor(..) => Kind::SensitivityTemperature,
     })
 }
 
@@ -90,7 +90,7 @@ fn line(compared: &Compared, hz: f64) -> (Kind, f64) {
 
 /// The column that it follows.
 pub fn column(compared: &Compared, cause: Cause) -> Option<&str> {
-    let Acting::Scaled(_, number) = acting(compared, cause)? else { return None };
+    let Acting::ScaleFactor(_, number) = acting(compared, cause)? else { return None };
     Some(&compared.covariate(number).name)
 }
 
@@ -120,8 +120,8 @@ pub fn parameters(compared: &Compared, one: &Amplitude) -> IndexMap<String, Quan
             let of_all = one.channels.iter().map(Vec::as_slice);
             all.insert("frequency_hz".into(), compared.frequency(line(compared, hz).1, of_all))
         }
-        Some(Acting::Bent(..)) => all.insert("departure_nt".into(), first(0)),
-        Some(Acting::Scaled(..)) => {
+        Some(Acting::Nonlinear(..)) => all.insert("departure_nt".into(), first(0)),
+        Some(Acting::ScaleFactor(..)) => {
             all.insert("coefficient_ppm_per_k".into(), super::effects::times(&first(0), 1e6))
         }
         Some(Acting::Coarse(_, width)) => all.insert("width_nt".into(), Quantity::Bare(width)),
